@@ -13,6 +13,8 @@
 #![forbid(unsafe_code)]
 
 pub mod action;
+pub mod actor;
 pub mod geometry;
+pub mod kernel;
 pub mod observation;
 pub mod random;

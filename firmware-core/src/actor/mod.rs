@@ -1,0 +1,244 @@
+//! The quantised actor.
+//!
+//! Network (paper, sections 2.2 and 3.2; all activations int8):
+//!
+//! ```text
+//! observation (140) → encoder 1 → ReLU → encoder 2 → ReLU → h (64)       encode: once a step
+//! neighbours' h, own h → aggregate → graph layer → ReLU → y (64)          none | GCN | GAT
+//! [h ‖ y] → head → ReLU → output → 17 logits                              decide
+//! ```
+//!
+//! `h` is what a UAV broadcasts. For GAT the score of equation (6) splits into a term
+//! of the receiver and one of the sender, so a sender adds one number, its half.
+//! Everything is read in place from the actor file; the actor itself is a few
+//! slices.
+
+mod aggregate;
+pub mod file;
+pub mod layer;
+mod self_test;
+mod signature;
+pub mod softmax;
+
+pub use aggregate::MAX_DEGREE;
+pub use file::{LoadError, Provenance};
+pub use self_test::{SELF_TESTS, SelfTest, SelfTestError, write_self_test};
+pub use signature::{SIGNATURE_CASES, Signature, signature};
+pub use softmax::{Logits, Mode, argmax, sample};
+
+use crate::action::{ACTIONS, Action};
+use crate::kernel::requantise;
+use crate::observation::{LEN, MAX_NEIGHBOURS, Observation};
+use crate::random::{action_draw, tie_breaker};
+use layer::{Layer, MAX_COLUMNS, MAX_ROWS};
+
+/// Greatest width of a feature.
+pub const MAX_FEATURE: usize = 64;
+
+/// How neighbours' features are combined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+pub enum Aggregation {
+    /// Not at all: plain PPO.
+    None,
+    /// Graph convolution, equation (5).
+    Gcn,
+    /// Graph attention, equations (6) and (7).
+    Gat,
+}
+
+impl Aggregation {
+    /// Every form.
+    pub const ALL: [Self; 3] = [Self::None, Self::Gcn, Self::Gat];
+
+    /// Its name in files and on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Gcn => "gcn",
+            Self::Gat => "gat",
+        }
+    }
+}
+
+/// Widths of the network.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Dimensions {
+    /// Numbers in an observation.
+    pub observation: u16,
+    /// First hidden layer, at most 128.
+    pub hidden: u16,
+    /// Feature `h`, even, at most 64.
+    pub feature: u16,
+    /// Hidden layer of the head, at most 128.
+    pub head: u16,
+    /// Actions.
+    pub actions: u16,
+}
+
+impl Dimensions {
+    /// Rows and columns of every layer in file order: encoder 1, encoder 2, attention
+    /// (GAT only), graph (GCN and GAT), head, output.
+    pub fn layers(self, aggregation: Aggregation) -> impl Iterator<Item = (usize, usize)> {
+        let [o, e, h, m, a] = [self.observation, self.hidden, self.feature, self.head, self.actions].map(usize::from);
+        let (attention, graph, joined) = match aggregation {
+            Aggregation::None => (None, None, h),
+            Aggregation::Gcn => (None, Some((h, h)), 2 * h),
+            Aggregation::Gat => (Some((2, h)), Some((h, h)), 2 * h),
+        };
+        [Some((e, o)), Some((h, e)), attention, graph, Some((m, joined)), Some((a, m))].into_iter().flatten()
+    }
+}
+
+/// What a UAV computes from its own observation and, but for [`Self::attending`],
+/// broadcasts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Feature {
+    /// `h`, of which the actor's feature width is used; the rest is zero.
+    pub values: [i8; MAX_FEATURE],
+    /// GAT: the receiver's half of the score, kept at home (0 otherwise).
+    pub attending: i16,
+    /// GAT: the sender's half of the score, broadcast (0 otherwise).
+    pub attended: i16,
+}
+
+/// A neighbour's feature as it was received.
+#[derive(Clone, Copy, Debug)]
+pub struct NeighbourFeature<'f> {
+    /// `h`.
+    pub values: &'f [i8],
+    /// The sender's degree, itself included, 1 to [`MAX_DEGREE`].
+    pub degree: u8,
+    /// The sender's half of the GAT score.
+    pub attended: i16,
+}
+
+/// A loaded actor. It borrows the file, which must have been found sound.
+#[derive(Clone, Copy, Debug)]
+pub struct Actor<'a> {
+    aggregation: Aggregation,
+    dimensions: Dimensions,
+    tie_period: u32,
+    content_hash: u64,
+    provenance: Provenance<'a>,
+    self_tests: &'a [u8],
+    encoder1: Layer<'a>,
+    encoder2: Layer<'a>,
+    attention: Layer<'a>,
+    graph: Layer<'a>,
+    head: Layer<'a>,
+    output: Layer<'a>,
+    aggregate_multiplier: i32,
+}
+
+impl<'a> Actor<'a> {
+    /// How it aggregates.
+    #[must_use]
+    pub const fn aggregation(&self) -> Aggregation {
+        self.aggregation
+    }
+
+    /// Its widths.
+    #[must_use]
+    pub const fn dimensions(&self) -> Dimensions {
+        self.dimensions
+    }
+
+    /// Where it comes from.
+    #[must_use]
+    pub const fn provenance(&self) -> Provenance<'a> {
+        self.provenance
+    }
+
+    /// Steps for which a tie-breaker holds.
+    #[must_use]
+    pub const fn tie_period(&self) -> u32 {
+        self.tie_period
+    }
+
+    /// Hash of all that decides: shapes, weights, multipliers.
+    #[must_use]
+    pub const fn content_hash(&self) -> u64 {
+        self.content_hash
+    }
+
+    /// The half of the content hash that feature messages carry.
+    #[must_use]
+    pub const fn message_hash(&self) -> u32 {
+        (self.content_hash ^ (self.content_hash >> 32)) as u32
+    }
+
+    /// The tie-breaker that UAV `id` announces for `step`.
+    #[must_use]
+    pub fn tie_breaker(&self, seed: u64, id: u16, step: u32) -> i8 {
+        tie_breaker(seed, id, step, self.tie_period)
+    }
+
+    /// Encodes an observation.
+    #[must_use]
+    pub fn encode(&self, observation: &Observation) -> Feature {
+        let mut x = [0i16; MAX_COLUMNS];
+        for (x, &o) in x.iter_mut().zip(observation) {
+            *x = i16::from(o);
+        }
+        let mut y = [0i16; MAX_ROWS];
+        self.encoder1.apply(&x, &mut y, 0, 127);
+        let mut h = [0i16; MAX_FEATURE];
+        self.encoder2.apply(&y, &mut h, 0, 127);
+        let mut halves = [0i16; 2];
+        if self.aggregation == Aggregation::Gat {
+            self.attention.apply_wide(&h, &mut halves);
+        }
+        let [attending, attended] = halves;
+        let mut values = [0i8; MAX_FEATURE];
+        for (v, &h) in values.iter_mut().zip(&h) {
+            *v = h as i8; // 0..=127
+        }
+        Feature { values, attending, attended }
+    }
+
+    /// The logits of a UAV with this feature and degree (itself included) whose
+    /// neighbours sent these features. At most the first 16 count.
+    #[must_use]
+    pub fn logits<'f, I>(&self, own: &Feature, degree: u8, neighbours: I) -> Logits
+    where
+        I: IntoIterator<Item = NeighbourFeature<'f>>,
+        I::IntoIter: Clone,
+    {
+        let neighbours = neighbours.into_iter().take(MAX_NEIGHBOURS);
+        let mut joined = [0i16; 2 * MAX_FEATURE];
+        for (x, &h) in joined.iter_mut().zip(&own.values) {
+            *x = i16::from(h);
+        }
+        let sums = match self.aggregation {
+            Aggregation::None => None,
+            Aggregation::Gcn => Some(aggregate::gcn(own, degree, neighbours)),
+            Aggregation::Gat => Some(aggregate::gat(own, neighbours)),
+        };
+        if let Some(sums) = sums {
+            let mut mean = [0i16; MAX_FEATURE];
+            for (x, &sum) in mean.iter_mut().zip(&sums) {
+                *x = requantise(sum, self.aggregate_multiplier).clamp(-127, 127) as i16;
+            }
+            if let Some(y) = joined.get_mut(usize::from(self.dimensions.feature)..) {
+                self.graph.apply(&mean, y, 0, 127);
+            }
+        }
+        let mut hidden = [0i16; MAX_ROWS];
+        self.head.apply(&joined, &mut hidden, 0, 127);
+        let mut logits = [0i16; ACTIONS];
+        self.output.apply_wide(&hidden, &mut logits);
+        logits
+    }
+
+    /// The action of these logits for UAV `id` at `step`.
+    #[must_use]
+    pub fn choose(&self, logits: &Logits, mode: Mode, seed: u64, id: u16, step: u32) -> Action {
+        match mode {
+            Mode::Argmax => argmax(logits),
+            Mode::Sample => sample(logits, action_draw(seed, id, step)),
+        }
+    }
+}
+
+const _: () = assert!(LEN <= MAX_COLUMNS && 2 * MAX_FEATURE <= MAX_COLUMNS && MAX_FEATURE <= MAX_ROWS);

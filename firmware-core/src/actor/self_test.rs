@@ -1,0 +1,139 @@
+//! Self-test vectors: situations with their exact logits, kept in the actor file.
+//!
+//! A vector is, one after the other: the observation (140 int8), own degree (u8),
+//! number k of neighbours (u8, at most 16), k times [degree (u8), attended score (i16
+//! little-endian), feature (int8 × feature width)], and 17 logits (i16 little-endian).
+
+use super::{Actor, Logits, MAX_DEGREE, NeighbourFeature};
+use crate::action::ACTIONS;
+use crate::observation::{LEN, MAX_NEIGHBOURS, Observation};
+use thiserror::Error;
+
+/// Vectors in every actor file.
+pub const SELF_TESTS: usize = 8;
+
+/// The actor does not compute what it computed when it was exported.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error(
+    "self-test vector {vector} of the actor gives other logits than when it was exported: do not fly; check the build and the memory"
+)]
+pub struct SelfTestError {
+    /// The first vector that differs.
+    pub vector: usize,
+}
+
+/// One vector, read in place.
+#[derive(Clone, Copy, Debug)]
+pub struct SelfTest<'a> {
+    observation: &'a [u8; LEN],
+    degree: u8,
+    neighbours: &'a [u8],
+    feature: usize,
+    logits: &'a [u8; 2 * ACTIONS],
+}
+
+/// Bytes of a neighbour before its feature.
+const NEIGHBOUR_HEAD: usize = 3;
+
+impl<'a> SelfTest<'a> {
+    fn take(bytes: &mut &'a [u8], feature: usize) -> Option<Self> {
+        let (observation, rest) = bytes.split_first_chunk::<LEN>()?;
+        let (&[degree, count], rest) = rest.split_first_chunk::<2>()?;
+        if !(1..=MAX_DEGREE).contains(&degree) || usize::from(count) > MAX_NEIGHBOURS {
+            return None;
+        }
+        let (neighbours, rest) = rest.split_at_checked(usize::from(count) * (NEIGHBOUR_HEAD + feature))?;
+        let (logits, rest) = rest.split_first_chunk::<{ 2 * ACTIONS }>()?;
+        *bytes = rest;
+        Some(Self { observation, degree, neighbours, feature, logits })
+    }
+
+    fn holds(&self, actor: &Actor<'_>) -> bool {
+        let mut observation: Observation = [0; LEN];
+        for (o, &b) in observation.iter_mut().zip(self.observation) {
+            *o = b as i8;
+        }
+        let own = actor.encode(&observation);
+        // Features lie in the file as bytes; a neighbour at a time is copied out.
+        let mut store = [[0i8; super::MAX_FEATURE]; MAX_NEIGHBOURS];
+        let mut heads = [(1u8, 0i16); MAX_NEIGHBOURS];
+        let records = self.neighbours.chunks_exact(NEIGHBOUR_HEAD + self.feature);
+        let count = records.len();
+        for ((record, values), head) in records.zip(&mut store).zip(&mut heads) {
+            if let [degree, low, high, feature @ ..] = record {
+                *head = (*degree, i16::from_le_bytes([*low, *high]));
+                for (v, &b) in values.iter_mut().zip(feature) {
+                    *v = b as i8;
+                }
+            }
+        }
+        let neighbours = store.iter().zip(&heads).take(count).map(|(values, &(degree, attended))| NeighbourFeature {
+            values: values.get(..self.feature).unwrap_or(&[]),
+            degree,
+            attended,
+        });
+        let logits = actor.logits(&own, self.degree, neighbours);
+        logits.iter().zip(self.logits.chunks_exact(2)).all(|(l, b)| l.to_le_bytes() == *b)
+    }
+}
+
+/// The vectors in `bytes`, up to the first that cannot be read.
+pub(super) fn vectors(bytes: &[u8], feature: usize) -> impl Iterator<Item = SelfTest<'_>> {
+    let mut rest = bytes;
+    core::iter::from_fn(move || SelfTest::take(&mut rest, feature))
+}
+
+/// Bytes that [`SELF_TESTS`] vectors take, if there are as many.
+pub(super) fn length(bytes: &[u8], feature: usize) -> Option<usize> {
+    let mut rest = bytes;
+    for _ in 0..SELF_TESTS {
+        SelfTest::take(&mut rest, feature)?;
+    }
+    Some(bytes.len() - rest.len())
+}
+
+/// Writes one vector into `out` and returns its length; `None` when it does not fit,
+/// or when there are more than 16 neighbours.
+pub fn write_self_test(
+    out: &mut [u8],
+    observation: &Observation,
+    degree: u8,
+    neighbours: &[NeighbourFeature<'_>],
+    logits: &Logits,
+) -> Option<usize> {
+    if neighbours.len() > MAX_NEIGHBOURS {
+        return None;
+    }
+    let mut at = 0;
+    let mut put = |byte: u8| {
+        *out.get_mut(at)? = byte;
+        at += 1;
+        Some(())
+    };
+    observation.iter().try_for_each(|&o| put(o as u8))?;
+    put(degree)?;
+    put(neighbours.len() as u8)?;
+    for n in neighbours {
+        put(n.degree)?;
+        n.attended.to_le_bytes().into_iter().try_for_each(&mut put)?;
+        n.values.iter().try_for_each(|&h| put(h as u8))?;
+    }
+    logits.iter().flat_map(|l| l.to_le_bytes()).try_for_each(put)?;
+    Some(at)
+}
+
+impl Actor<'_> {
+    /// Recomputes the file's self-test vectors. An actor that fails must not fly.
+    ///
+    /// # Errors
+    /// The first vector whose logits differ.
+    pub fn self_test(&self) -> Result<(), SelfTestError> {
+        let vectors = vectors(self.self_tests, usize::from(self.dimensions.feature));
+        for (vector, test) in vectors.enumerate() {
+            if !test.holds(self) {
+                return Err(SelfTestError { vector });
+            }
+        }
+        Ok(())
+    }
+}
