@@ -1,0 +1,176 @@
+//! The networks of the trainer: shared actor, central critic.
+//!
+//! Parameters live in one flat vector a network, so that gradients of several shards
+//! are summed, clipped and applied as plain slices and a checkpoint is the vectors
+//! themselves. burn's tensors are made from them for each pass.
+
+mod forward;
+mod init;
+
+pub use forward::{ActorTensors, Batch, CriticTensors, actor_logits, critic_values};
+pub use init::initialise;
+
+use burn::tensor::{Device, Gradients, Tensor, TensorData};
+use firmware_core::actor::{Aggregation, Dimensions};
+use firmware_core::{action::ACTIONS, observation};
+
+/// One weight matrix (`inputs × outputs`, row-major) or bias (`1 × outputs`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// What it is.
+    pub name: &'static str,
+    /// Rows: inputs, or 1 for a bias.
+    pub inputs: usize,
+    /// Columns: outputs.
+    pub outputs: usize,
+    /// Gain of the orthogonal initialisation; 0 starts at zero.
+    pub gain: f32,
+    /// First place in the flat vector.
+    pub start: usize,
+}
+
+impl Piece {
+    /// Numbers in it.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.inputs * self.outputs
+    }
+
+    /// Whether it has none.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// The pieces of a network in the order of its flat vector.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layout {
+    pieces: Vec<Piece>,
+}
+
+/// Gain before a ReLU.
+const RELU_GAIN: f32 = std::f32::consts::SQRT_2;
+
+impl Layout {
+    fn new(parts: &[(&'static str, usize, usize, f32)]) -> Self {
+        let mut start = 0;
+        let pieces = parts
+            .iter()
+            .map(|&(name, inputs, outputs, gain)| {
+                let piece = Piece { name, inputs, outputs, gain, start };
+                start += piece.len();
+                piece
+            })
+            .collect();
+        Self { pieces }
+    }
+
+    /// The actor: encoder of two layers, aggregation, head on own feature and
+    /// aggregate, 17 logits. The graph layer is `W` of equations (5) to (7).
+    #[must_use]
+    pub fn actor(d: Dimensions, aggregation: Aggregation) -> Self {
+        let [o, e, h, m] = [d.observation, d.hidden, d.feature, d.head].map(usize::from);
+        let mut parts = vec![
+            ("encoder1", o, e, RELU_GAIN),
+            ("encoder1 bias", 1, e, 0.0),
+            ("encoder2", e, h, RELU_GAIN),
+            ("encoder2 bias", 1, h, 0.0),
+            ("head own", h, m, RELU_GAIN),
+            ("head bias", 1, m, 0.0),
+            ("output", m, ACTIONS, 0.01),
+            ("output bias", 1, ACTIONS, 0.0),
+        ];
+        if aggregation != Aggregation::None {
+            parts.extend([
+                ("graph", h, h, RELU_GAIN),
+                ("graph bias", 1, h, 0.0),
+                ("head aggregate", h, m, RELU_GAIN),
+            ]);
+        }
+        if aggregation == Aggregation::Gat {
+            parts.extend([("attention receiver", h, 1, 1.0), ("attention sender", h, 1, 1.0)]);
+        }
+        Self::new(&parts)
+    }
+
+    /// The central critic: the observations of all UAVs, each embedded as in the actor,
+    /// own embedding beside the mean over all (so it takes any number of UAVs in any
+    /// order); one value a UAV.
+    #[must_use]
+    pub fn critic(d: Dimensions) -> Self {
+        let [o, e, h, m] = [d.observation, d.hidden, d.feature, d.head].map(usize::from);
+        Self::new(&[
+            ("encoder1", o, e, RELU_GAIN),
+            ("encoder1 bias", 1, e, 0.0),
+            ("encoder2", e, h, RELU_GAIN),
+            ("encoder2 bias", 1, h, 0.0),
+            ("head own", h, m, RELU_GAIN),
+            ("head mean", h, m, RELU_GAIN),
+            ("head bias", 1, m, 0.0),
+            ("output", m, 1, 1.0),
+            ("output bias", 1, 1, 0.0),
+        ])
+    }
+
+    /// The pieces in order.
+    #[must_use]
+    pub fn pieces(&self) -> &[Piece] {
+        &self.pieces
+    }
+
+    /// Length of the flat vector.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.pieces.iter().map(Piece::len).sum()
+    }
+
+    /// Whether the network has no parameters.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.pieces.is_empty()
+    }
+
+    /// The numbers of the piece of this name (empty if there is none).
+    #[must_use]
+    pub fn piece<'v>(&self, values: &'v [f32], name: &str) -> &'v [f32] {
+        self.pieces.iter().find(|p| p.name == name).map_or(&[], |p| &values[p.start..p.start + p.len()])
+    }
+
+    /// Tensors of a flat vector, in order.
+    #[must_use]
+    pub fn tensors(&self, values: &[f32], device: &Device) -> Vec<Tensor<2>> {
+        self.pieces
+            .iter()
+            .map(|p| {
+                let numbers = values[p.start..p.start + p.len()].to_vec();
+                Tensor::from_data(TensorData::new(numbers, [p.inputs, p.outputs]), device)
+            })
+            .collect()
+    }
+
+    /// Adds the gradients of `leaves` (as [`Self::tensors`] ordered them) to `sum`.
+    pub fn add_gradients(&self, leaves: &[Tensor<2>], gradients: &mut Gradients, sum: &mut [f32]) {
+        for (piece, leaf) in self.pieces.iter().zip(leaves) {
+            // A piece that the loss does not reach has no gradient: it is zero.
+            let Some(g) = leaf.grad_remove(gradients) else { continue };
+            let data = g.into_data();
+            let place = &mut sum[piece.start..piece.start + piece.len()];
+            for (s, g) in place.iter_mut().zip(data.iter::<f32>()) {
+                *s += g;
+            }
+        }
+    }
+}
+
+/// Widths of the network for these settings.
+#[must_use]
+pub fn dimensions(s: &crate::settings::Settings) -> Dimensions {
+    Dimensions {
+        observation: observation::LEN as u16,
+        hidden: s.hidden,
+        feature: s.feature,
+        head: s.head,
+        actions: ACTIONS as u16,
+    }
+}

@@ -1,0 +1,382 @@
+//! Every setting of a training run: name, type, default, bounds and meaning, in one
+//! table. A TOML file and `--set key=value` write to the same keys; unknown keys and
+//! bad values are errors that say what would be right.
+
+use firmware_core::actor::Aggregation;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+use thiserror::Error;
+
+/// Why settings were refused.
+#[derive(Debug, Error)]
+pub enum SettingsError {
+    /// The file cannot be read.
+    #[error("cannot read the settings file {path}: {source}")]
+    Read {
+        /// The file.
+        path: String,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The file is no TOML.
+    #[error("{path} is not valid TOML: {message}")]
+    Syntax {
+        /// The file.
+        path: String,
+        /// Where and why.
+        message: String,
+    },
+    /// No such key.
+    #[error("there is no setting `{key}`{hint}; `host-trainer settings` lists them all")]
+    UnknownKey {
+        /// The key.
+        key: String,
+        /// The nearest right one.
+        hint: String,
+    },
+    /// A value of another type.
+    #[error("setting `{key}` wants {wanted}, not {found}")]
+    Type {
+        /// The key.
+        key: &'static str,
+        /// Wanted type.
+        wanted: &'static str,
+        /// What was given.
+        found: String,
+    },
+    /// A value out of bounds.
+    #[error("setting `{key}` is {found}; it must be {allowed}")]
+    Range {
+        /// The key.
+        key: &'static str,
+        /// What was given.
+        found: String,
+        /// The bounds.
+        allowed: &'static str,
+    },
+    /// `--set` without `=`.
+    #[error("`--set {0}` has no value; write `--set key=value`")]
+    NoValue(String),
+    /// Values that do not go together.
+    #[error("{0}")]
+    Together(String),
+}
+
+/// A row of the table of settings.
+#[derive(Debug)]
+pub struct Key {
+    /// Name.
+    pub name: &'static str,
+    /// Default, as TOML.
+    pub default: fn() -> String,
+    /// Bounds.
+    pub allowed: &'static str,
+    /// Meaning.
+    pub doc: &'static str,
+}
+
+macro_rules! settings {
+    ($($(#[doc = $doc:literal])+ $key:ident: $type:ty = $default:expr, $allowed:literal, $check:expr;)*) => {
+        /// The settings of a training run.
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        pub struct Settings { $($(#[doc = $doc])+ pub $key: $type,)* }
+
+        impl Default for Settings {
+            fn default() -> Self { Self { $($key: $default,)* } }
+        }
+
+        /// Every setting, in order.
+        pub const KEYS: &[Key] = &[$(Key {
+            name: stringify!($key),
+            default: || Value::show(&Settings::default().$key),
+            allowed: $allowed,
+            doc: concat!($($doc),+),
+        },)*];
+
+        impl Settings {
+            fn put(&mut self, key: &str, value: &toml::Value) -> Result<(), SettingsError> {
+                match key {
+                    $(stringify!($key) => {
+                        let v = <$type as Value>::read(value).ok_or_else(|| SettingsError::Type {
+                            key: stringify!($key), wanted: <$type as Value>::KIND, found: value.to_string(),
+                        })?;
+                        let check: fn(&$type) -> bool = $check;
+                        if !check(&v) {
+                            return Err(SettingsError::Range {
+                                key: stringify!($key), found: value.to_string(), allowed: $allowed,
+                            });
+                        }
+                        self.$key = v;
+                        Ok(())
+                    })*
+                    _ => Err(unknown(key)),
+                }
+            }
+
+            /// The settings as a commented TOML file.
+            #[must_use]
+            pub fn to_toml(&self) -> String {
+                let mut out = String::new();
+                $(
+                    for line in [$($doc),+] { out += &format!("#{line}\n"); }
+                    out += &format!("{} = {}\n\n", stringify!($key), Value::show(&self.$key));
+                )*
+                out
+            }
+        }
+    };
+}
+
+settings! {
+    /// UAVs in a world.
+    uavs: u16 = 20, "1 to 10000", |v| (1..=10_000).contains(v);
+    /// Points of interest in a world.
+    pois: u16 = 120, "1 to 60000", |v| (1..=60_000).contains(v);
+    /// Law of the PoIs: "clustered" or "uniform".
+    scenario: Law = Law::Clustered, "\"clustered\" or \"uniform\"", |_| true;
+    /// Steps of an episode.
+    steps: u32 = 100, "1 to 100000", |v| (1..=100_000).contains(v);
+    /// Side of the map, u.
+    side: f64 = 200.0, "60 to 10000 u", |v| (60.0..=10_000.0).contains(v);
+    /// Aggregation of neighbours' features: "none", "gcn" or "gat".
+    graph: Graph = Graph(Aggregation::Gcn), "\"none\", \"gcn\" or \"gat\"", |_| true;
+    /// Width of the first hidden layer, actor and critic.
+    hidden: u16 = 128, "2 to 128, even", |v| (2..=128).contains(v) && v % 2 == 0;
+    /// Width of the feature that UAVs broadcast.
+    feature: u16 = 64, "2 to 64, even", |v| (2..=64).contains(v) && v % 2 == 0;
+    /// Width of the hidden layer of the policy and value heads.
+    head: u16 = 64, "2 to 128, even", |v| (2..=128).contains(v) && v % 2 == 0;
+    /// Steps for which a UAV keeps its tie-breaker.
+    tie_period: u32 = 1, "1 to 1000000", |v| (1..=1_000_000).contains(v);
+    /// Seed of everything random in the run.
+    seed: u64 = 10, "0 to 9223372036854775807", |v| i64::try_from(*v).is_ok();
+    /// Training episodes (rounded up to whole rounds of `worlds`).
+    episodes: u32 = 1500, "1 to 100000000", |v| (1..=100_000_000).contains(v);
+    /// Worlds that run side by side: one round is an episode of each.
+    worlds: u32 = 64, "1 to 65536", |v| (1..=65_536).contains(v);
+    /// Steps between updates; must divide `steps`.
+    segment: u32 = 25, "1 to 100000", |v| (1..=100_000).contains(v);
+    /// Passes over a segment in an update.
+    epochs: u32 = 5, "1 to 100", |v| (1..=100).contains(v);
+    /// Agent samples in a minibatch (rounded to whole world-steps).
+    minibatch: u32 = 4000, "1 to 10000000", |v| (1..=10_000_000).contains(v);
+    /// Parts into which worlds and minibatches are split. At most as many threads are of
+    /// use; results depend on this number, never on the number of threads.
+    shards: u32 = 4, "1 to 256", |v| (1..=256).contains(v);
+    /// Adam's learning rate at the start.
+    learning_rate: f64 = 5e-4, "above 0, at most 1", |v| *v > 0.0 && *v <= 1.0;
+    /// Share of the learning rate that is left at the end (it falls linearly).
+    learning_rate_end: f64 = 0.1, "0 to 1", |v| (0.0..=1.0).contains(v);
+    /// Discount of future reward, per step. 1 with `lambda` 1 and `segment` = `steps` is
+    /// the paper's return.
+    gamma: f64 = 0.95, "0 to 1", |v| (0.0..=1.0).contains(v);
+    /// Lambda of generalised advantage estimation.
+    lambda: f64 = 0.95, "0 to 1", |v| (0.0..=1.0).contains(v);
+    /// Whether the last state of an episode counts with its value (episodes end by
+    /// truncation). With `gamma` 1 it never does, since that value has no bound.
+    bootstrap_end: bool = true, "true or false", |_| true;
+    /// Clip range of the probability ratio.
+    clip: f64 = 0.2, "above 0, below 1", |v| *v > 0.0 && *v < 1.0;
+    /// Weight of the entropy bonus at the start.
+    entropy: f64 = 0.01, "0 to 1", |v| (0.0..=1.0).contains(v);
+    /// Weight of the entropy bonus at the end (it falls linearly).
+    entropy_end: f64 = 0.01, "0 to 1", |v| (0.0..=1.0).contains(v);
+    /// Greatest global norm of the actor's gradient, and of the critic's.
+    gradient_norm: f64 = 0.5, "above 0", |v| *v > 0.0;
+    /// Error (in standard deviations of the return) beyond which the value loss is linear.
+    huber: f64 = 1.0, "above 0", |v| *v > 0.0;
+    /// Share of the old mean and deviation of returns kept at each update.
+    value_norm_decay: f64 = 0.9, "0 to 1", |v| (0.0..=1.0).contains(v);
+    /// Share of a UAV's training reward that is replaced by the mean over all UAVs. The
+    /// reported reward stays the scenario's.
+    team_share: f64 = 0.0, "0 to 1", |v| (0.0..=1.0).contains(v);
+    /// Episodes between checkpoints.
+    checkpoint_every: u32 = 320, "1 to 100000000", |v| (1..=100_000_000).contains(v);
+    /// Held-out worlds of the evaluation at the end.
+    eval_worlds: u32 = 200, "2 to 100000", |v| (2..=100_000).contains(v);
+    /// Seed of the held-out worlds.
+    eval_seed: u64 = 777, "0 to 9223372036854775807", |v| i64::try_from(*v).is_ok();
+    /// Worlds flown to calibrate the quantisation.
+    calibration_worlds: u32 = 16, "1 to 10000", |v| (1..=10_000).contains(v);
+}
+
+/// Law of the PoIs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Law {
+    /// Around three centres.
+    Clustered,
+    /// All over the map.
+    Uniform,
+}
+
+impl Law {
+    /// Its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Clustered => "clustered",
+            Self::Uniform => "uniform",
+        }
+    }
+}
+
+/// Aggregation as a setting.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Graph(pub Aggregation);
+
+/// A type that settings can have.
+trait Value: Sized {
+    const KIND: &'static str;
+    fn read(v: &toml::Value) -> Option<Self>;
+    fn show(&self) -> String;
+}
+
+macro_rules! integers {
+    ($($t:ty),*) => {$(impl Value for $t {
+        const KIND: &'static str = "a whole number";
+        fn read(v: &toml::Value) -> Option<Self> { v.as_integer()?.try_into().ok() }
+        fn show(&self) -> String { self.to_string() }
+    })*};
+}
+integers!(u16, u32, u64);
+
+impl Value for f64 {
+    const KIND: &'static str = "a number";
+    fn read(v: &toml::Value) -> Option<Self> {
+        v.as_float().or_else(|| v.as_integer().map(|i| i as Self)).filter(|f| f.is_finite())
+    }
+    fn show(&self) -> String {
+        format!("{self:?}")
+    }
+}
+
+impl Value for bool {
+    const KIND: &'static str = "true or false";
+    fn read(v: &toml::Value) -> Option<Self> {
+        v.as_bool()
+    }
+    fn show(&self) -> String {
+        self.to_string()
+    }
+}
+
+impl Value for Law {
+    const KIND: &'static str = "\"clustered\" or \"uniform\"";
+    fn read(v: &toml::Value) -> Option<Self> {
+        [Self::Clustered, Self::Uniform].into_iter().find(|l| v.as_str() == Some(l.name()))
+    }
+    fn show(&self) -> String {
+        format!("{:?}", self.name())
+    }
+}
+
+impl Value for Graph {
+    const KIND: &'static str = "\"none\", \"gcn\" or \"gat\"";
+    fn read(v: &toml::Value) -> Option<Self> {
+        Aggregation::ALL.into_iter().find(|g| v.as_str() == Some(g.name())).map(Self)
+    }
+    fn show(&self) -> String {
+        format!("{:?}", self.0.name())
+    }
+}
+
+fn unknown(key: &str) -> SettingsError {
+    let near = KEYS.iter().max_by(|a, b| {
+        strsim::jaro_winkler(a.name, key).total_cmp(&strsim::jaro_winkler(b.name, key))
+    });
+    let hint = near.map_or_else(String::new, |k| format!("; the nearest is `{}`", k.name));
+    SettingsError::UnknownKey { key: key.to_owned(), hint }
+}
+
+impl Settings {
+    /// Reads a TOML text over these settings.
+    ///
+    /// # Errors
+    /// See [`SettingsError`]; `path` is named in them.
+    pub fn merge(&mut self, text: &str, path: &str) -> Result<(), SettingsError> {
+        let table: toml::Table = text
+            .parse()
+            .map_err(|e: toml::de::Error| SettingsError::Syntax { path: path.to_owned(), message: e.to_string() })?;
+        table.iter().try_for_each(|(key, value)| self.put(key, value))
+    }
+
+    /// Reads a TOML file over these settings.
+    ///
+    /// # Errors
+    /// See [`SettingsError`].
+    pub fn merge_file(&mut self, path: &Path) -> Result<(), SettingsError> {
+        let name = path.display().to_string();
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| SettingsError::Read { path: name.clone(), source })?;
+        self.merge(&text, &name)
+    }
+
+    /// Sets one key from `key=value`; a value that is no TOML is taken as a string.
+    ///
+    /// # Errors
+    /// See [`SettingsError`].
+    pub fn set(&mut self, assignment: &str) -> Result<(), SettingsError> {
+        let (key, value) =
+            assignment.split_once('=').ok_or_else(|| SettingsError::NoValue(assignment.to_owned()))?;
+        let (key, value) = (key.trim(), value.trim());
+        let parsed = format!("v = {value}").parse::<toml::Table>().ok().and_then(|mut t| t.remove("v"));
+        self.put(key, &parsed.unwrap_or_else(|| toml::Value::String(value.to_owned())))
+    }
+
+    /// Checks what single bounds cannot.
+    ///
+    /// # Errors
+    /// [`SettingsError::Together`] names the settings that do not go together.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        if !self.steps.is_multiple_of(self.segment) {
+            return Err(SettingsError::Together(format!(
+                "`segment` ({}) must divide `steps` ({}); try {}",
+                self.segment,
+                self.steps,
+                (1..=self.segment).rev().find(|s| self.steps.is_multiple_of(*s)).unwrap_or(1)
+            )));
+        }
+        if self.shards > self.worlds {
+            return Err(SettingsError::Together(format!(
+                "`shards` ({}) must not exceed `worlds` ({})",
+                self.shards, self.worlds
+            )));
+        }
+        Ok(())
+    }
+
+    /// Rounds of `worlds` episodes in the whole run.
+    #[must_use]
+    pub fn rounds(&self) -> u32 {
+        self.episodes.div_ceil(self.worlds)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn written_settings_read_back() {
+        let mut a = Settings { graph: Graph(Aggregation::Gat), learning_rate: 3e-4, ..Settings::default() };
+        a.set("scenario=uniform").unwrap();
+        let mut b = Settings::default();
+        b.merge(&a.to_toml(), "test").unwrap();
+        assert_eq!(a, b);
+    }
+
+    #[test]
+    fn errors_name_the_remedy() {
+        let mut s = Settings::default();
+        let say = |r: Result<(), SettingsError>| r.unwrap_err().to_string();
+        assert!(say(s.merge("lerning_rate = 1e-3", "f")).contains("nearest is `learning_rate`"));
+        assert!(say(s.set("uavs=many")).contains("wants a whole number"));
+        assert!(say(s.set("uavs=0")).contains("must be 1 to 10000"));
+        assert!(say(s.set("graph=gnn")).contains("\"gcn\""));
+        assert!(say(s.set("uavs")).contains("key=value"));
+        assert!(say(s.merge("a = = 1", "f.toml")).contains("f.toml is not valid TOML"));
+        s.set("segment=30").unwrap();
+        assert!(say(s.check()).contains("try 25"));
+    }
+}
