@@ -1,1 +1,25 @@
-//! Placeholder.
+//! Covey's scenario: a group of UAVs that covers points of interest (PoIs).
+//!
+//! A [`World`] is one map with its UAVs and PoIs. It moves them by the action table
+//! of [`firmware_core`] and shows each UAV the very observation that the board
+//! builds, so nothing about the scenario exists twice. Distances are in map units
+//! (u), times in steps.
+//!
+//! Everything is a function of a seed and a world index, never of the thread that
+//! computes it.
+#![forbid(unsafe_code)]
+
+mod grid;
+mod groups;
+mod layout;
+mod metrics;
+pub mod random;
+mod scenario;
+mod score;
+mod sight;
+mod world;
+
+pub use metrics::EpisodeMetrics;
+pub use scenario::{Law, Scenario, ScenarioError};
+pub use sight::Links;
+pub use world::{LayoutError, World};

@@ -1,0 +1,388 @@
+//! One world: UAVs and PoIs on a square map.
+
+use crate::grid::CellGrid;
+use crate::groups::Groups;
+use crate::layout;
+use crate::metrics::{EpisodeMetrics, Totals};
+use crate::scenario::{Scenario, ScenarioError};
+use crate::score::{Scene, Score};
+use crate::sight::Beacon;
+use firmware_core::action::Action;
+use firmware_core::geometry::{COMMUNICATION_RANGE_U, OBSERVATION_RANGE_U, Vec2};
+
+/// A map with its UAVs and PoIs. All slices have one entry a UAV (or a PoI where the
+/// name says so), in the order of their ids. After the first episode neither
+/// [`World::step`] nor [`World::observe`] allocates.
+#[derive(Clone, Debug)]
+pub struct World {
+    scenario: Scenario,
+    steps_done: u32,
+    pub(crate) x: Vec<f32>,
+    pub(crate) y: Vec<f32>,
+    pub(crate) vx: Vec<f32>,
+    pub(crate) vy: Vec<f32>,
+    poi_x: Vec<f32>,
+    poi_y: Vec<f32>,
+    pub(crate) uav_cells: CellGrid,
+    pub(crate) poi_cells: CellGrid,
+    /// PoIs by slot of `poi_cells`.
+    slot_x: Vec<f32>,
+    slot_y: Vec<f32>,
+    pub(crate) poi_ticks: Vec<Vec2>,
+    pub(crate) beacons: Vec<Beacon>,
+    /// Neighbours of all UAVs, one after another, and where each one's begin.
+    linked: Vec<u16>,
+    linked_from: Vec<u32>,
+    degree: Vec<u32>,
+    groups: Groups,
+    score: Score,
+    totals: Totals,
+}
+
+/// A layout that does not fit its world.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LayoutError {
+    /// Wrong number of UAVs.
+    #[error("layout has {got} UAVs, the scenario {want}; give as many as the scenario says")]
+    Uavs {
+        /// In the layout.
+        got: usize,
+        /// In the scenario.
+        want: usize,
+    },
+    /// Wrong number of PoIs.
+    #[error("layout has {got} PoIs, the scenario {want}; give as many as the scenario says")]
+    Pois {
+        /// In the layout.
+        got: usize,
+        /// In the scenario.
+        want: usize,
+    },
+    /// A position outside the map, or not a number.
+    #[error("layout puts {what} {index} at ({x}, {y}), outside the map of 0 to {side_u} u")]
+    Outside {
+        /// "UAV" or "PoI".
+        what: &'static str,
+        /// Which one.
+        index: usize,
+        /// Its position, u.
+        x: f32,
+        /// Its position, u.
+        y: f32,
+        /// Side of the map, u.
+        side_u: f32,
+    },
+}
+
+impl World {
+    /// World 0 of seed 0, before its first step.
+    ///
+    /// # Errors
+    /// When the scenario is not valid.
+    pub fn new(scenario: &Scenario) -> Result<Self, ScenarioError> {
+        scenario.validate()?;
+        let (n, p, side) = (scenario.uavs, scenario.pois, scenario.side_u);
+        let mut world = Self {
+            scenario: scenario.clone(),
+            steps_done: 0,
+            x: vec![0.0; n],
+            y: vec![0.0; n],
+            vx: vec![0.0; n],
+            vy: vec![0.0; n],
+            poi_x: vec![0.0; p],
+            poi_y: vec![0.0; p],
+            uav_cells: CellGrid::new(side, COMMUNICATION_RANGE_U as f32, n),
+            poi_cells: CellGrid::new(side, OBSERVATION_RANGE_U as f32, p),
+            slot_x: vec![0.0; p],
+            slot_y: vec![0.0; p],
+            poi_ticks: vec![Vec2::default(); p],
+            beacons: vec![Beacon::default(); n],
+            linked: Vec::new(),
+            linked_from: Vec::with_capacity(n + 1),
+            degree: vec![0; n],
+            groups: Groups::new(n),
+            score: Score::new(n, p),
+            totals: Totals::default(),
+        };
+        world.reset(0, 0);
+        Ok(world)
+    }
+
+    /// Starts a new episode in world `index` of `seed`: the same one whatever came
+    /// before and whichever thread asks.
+    pub fn reset(&mut self, seed: u64, index: u64) {
+        let uav = (&mut self.x[..], &mut self.y[..]);
+        let poi = (&mut self.poi_x[..], &mut self.poi_y[..]);
+        layout::draw(&self.scenario, seed, index, uav, poi);
+        self.begin();
+    }
+
+    /// Starts a new episode with these positions, (x, y) in u.
+    ///
+    /// # Errors
+    /// When the numbers are not the scenario's or a position is not on the map; the
+    /// world is then unchanged.
+    pub fn set_layout(&mut self, uav: &[(f32, f32)], poi: &[(f32, f32)]) -> Result<(), LayoutError> {
+        let Scenario { uavs, pois, side_u, .. } = self.scenario;
+        if uav.len() != uavs {
+            return Err(LayoutError::Uavs { got: uav.len(), want: uavs });
+        }
+        if poi.len() != pois {
+            return Err(LayoutError::Pois { got: poi.len(), want: pois });
+        }
+        for (what, points) in [("UAV", uav), ("PoI", poi)] {
+            for (index, &(x, y)) in points.iter().enumerate() {
+                if !((0.0..=side_u).contains(&x) && (0.0..=side_u).contains(&y)) {
+                    return Err(LayoutError::Outside { what, index, x, y, side_u });
+                }
+            }
+        }
+        for (i, &(x, y)) in uav.iter().enumerate() {
+            (self.x[i], self.y[i]) = (x, y);
+        }
+        for (i, &(x, y)) in poi.iter().enumerate() {
+            (self.poi_x[i], self.poi_y[i]) = (x, y);
+        }
+        self.begin();
+        Ok(())
+    }
+
+    fn begin(&mut self) {
+        self.steps_done = 0;
+        self.vx.fill(0.0);
+        self.vy.fill(0.0);
+        self.poi_cells.rebuild(&self.poi_x, &self.poi_y);
+        for (slot, &p) in self.poi_cells.points().iter().enumerate() {
+            let (x, y) = (self.poi_x[p as usize], self.poi_y[p as usize]);
+            (self.slot_x[slot], self.slot_y[slot]) = (x, y);
+            self.poi_ticks[slot] = Vec2::from_u(x, y);
+        }
+        self.totals = Totals::default();
+        self.score.clear();
+        self.refresh();
+        // Nobody has flown yet, so the spawn state counts in no metric.
+        self.score.steps_covered.fill(0);
+    }
+
+    /// One step: moves every UAV by its action and scores the new state.
+    ///
+    /// # Panics
+    /// When there is not one action a UAV.
+    pub fn step(&mut self, actions: &[Action]) {
+        let n = self.x.len();
+        assert!(actions.len() == n, "step: {} actions for {n} UAVs", actions.len());
+        let side = self.scenario.side_u;
+        for (i, action) in actions.iter().enumerate() {
+            let (vx, vy) = action.next_velocity((self.vx[i], self.vy[i]));
+            (self.vx[i], self.vy[i]) = (vx, vy);
+            // The velocity is left as it is at the edge.
+            self.x[i] = (self.x[i] + vx).clamp(0.0, side);
+            self.y[i] = (self.y[i] + vy).clamp(0.0, side);
+        }
+        self.steps_done += 1;
+        self.refresh();
+        self.totals.add(&self.score);
+    }
+
+    /// Links, groups and scores of the present positions and velocities.
+    fn refresh(&mut self) {
+        for (e, (&vx, &vy)) in self.score.energy.iter_mut().zip(self.vx.iter().zip(&self.vy)) {
+            *e = Score::energy_of(vx, vy);
+        }
+        self.link();
+        let scene = Scene {
+            side_u: self.scenario.side_u,
+            x: &self.x,
+            y: &self.y,
+            poi_x: &self.slot_x,
+            poi_y: &self.slot_y,
+            pois: &self.poi_cells,
+            groups: &self.groups,
+        };
+        self.score.count(&scene);
+        self.score.pay(&scene);
+    }
+
+    fn link(&mut self) {
+        const RANGE2: f32 = (COMMUNICATION_RANGE_U * COMMUNICATION_RANGE_U) as f32;
+        self.uav_cells.rebuild(&self.x, &self.y);
+        self.groups.clear();
+        self.linked.clear();
+        self.linked_from.clear();
+        for i in 0..self.x.len() {
+            let (x, y) = (self.x[i], self.y[i]);
+            let from = self.linked.len();
+            self.linked_from.push(from as u32);
+            for run in self.uav_cells.around(x, y, COMMUNICATION_RANGE_U as f32) {
+                for &j in &self.uav_cells.points()[run] {
+                    let j = j as usize;
+                    let (dx, dy) = (self.x[j] - x, self.y[j] - y);
+                    if j != i && dx * dx + dy * dy <= RANGE2 {
+                        self.linked.push(j as u16);
+                        // The pair comes up twice; once is enough.
+                        if j < i {
+                            self.groups.join(i, j);
+                        }
+                    }
+                }
+            }
+            self.degree[i] = (self.linked.len() - from) as u32;
+        }
+        self.linked_from.push(self.linked.len() as u32);
+        self.groups.settle();
+    }
+
+    /// The scenario.
+    #[must_use]
+    pub fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    /// Steps made in this episode.
+    #[must_use]
+    pub fn steps_done(&self) -> u32 {
+        self.steps_done
+    }
+
+    /// Whether the episode has run its length. It ends by truncation: the state is
+    /// not terminal.
+    #[must_use]
+    pub fn done(&self) -> bool {
+        self.steps_done >= self.scenario.steps
+    }
+
+    /// East positions, u.
+    #[must_use]
+    pub fn x(&self) -> &[f32] {
+        &self.x
+    }
+
+    /// North positions, u.
+    #[must_use]
+    pub fn y(&self) -> &[f32] {
+        &self.y
+    }
+
+    /// East velocities, u/step.
+    #[must_use]
+    pub fn vx(&self) -> &[f32] {
+        &self.vx
+    }
+
+    /// North velocities, u/step.
+    #[must_use]
+    pub fn vy(&self) -> &[f32] {
+        &self.vy
+    }
+
+    /// Position of UAV `i`, u.
+    ///
+    /// # Panics
+    /// When there is no UAV `i`.
+    #[must_use]
+    pub fn position(&self, i: usize) -> (f32, f32) {
+        (self.x[i], self.y[i])
+    }
+
+    /// Velocity of UAV `i`, u/step.
+    ///
+    /// # Panics
+    /// When there is no UAV `i`.
+    #[must_use]
+    pub fn velocity(&self, i: usize) -> (f32, f32) {
+        (self.vx[i], self.vy[i])
+    }
+
+    /// East positions of the PoIs, u.
+    #[must_use]
+    pub fn poi_x(&self) -> &[f32] {
+        &self.poi_x
+    }
+
+    /// North positions of the PoIs, u.
+    #[must_use]
+    pub fn poi_y(&self) -> &[f32] {
+        &self.poi_y
+    }
+
+    /// PoIs within `range_u` of a place, in no particular order (but always the same).
+    pub fn pois_within(&self, x: f32, y: f32, range_u: f32) -> impl Iterator<Item = usize> + '_ {
+        self.poi_cells.around(x, y, range_u).flatten().filter_map(move |slot| {
+            let (dx, dy) = (self.slot_x[slot] - x, self.slot_y[slot] - y);
+            (dx * dx + dy * dy <= range_u * range_u).then(|| self.poi_cells.points()[slot] as usize)
+        })
+    }
+
+    /// Rewards of the last step. Before the first, what the spawn state would pay.
+    #[must_use]
+    pub fn rewards(&self) -> &[f32] {
+        &self.score.reward
+    }
+
+    /// PoIs that the UAV alone covers in its group.
+    #[must_use]
+    pub fn individual(&self) -> &[u32] {
+        &self.score.individual
+    }
+
+    /// PoIs that the UAV's group covers.
+    #[must_use]
+    pub fn group(&self) -> &[u32] {
+        &self.score.group
+    }
+
+    /// UAVs in the UAV's group, itself included.
+    #[must_use]
+    pub fn group_size(&self) -> &[u32] {
+        &self.score.group_size
+    }
+
+    /// UAVs in communication range, without itself.
+    #[must_use]
+    pub fn degree(&self) -> &[u32] {
+        &self.degree
+    }
+
+    /// UAVs in communication range of UAV `i`, in no particular order (but always the
+    /// same).
+    ///
+    /// # Panics
+    /// When there is no UAV `i`.
+    #[must_use]
+    pub fn neighbours(&self, i: usize) -> &[u16] {
+        &self.linked[self.linked_from[i] as usize..self.linked_from[i + 1] as usize]
+    }
+
+    /// Whether the UAV is within 5 u of the edge.
+    #[must_use]
+    pub fn near_border(&self) -> &[bool] {
+        &self.score.near_border
+    }
+
+    /// Energy of the step, 0.5 (hovering) to 1 (full speed).
+    #[must_use]
+    pub fn energy(&self) -> &[f32] {
+        &self.score.energy
+    }
+
+    /// PoIs covered by any UAV.
+    #[must_use]
+    pub fn covered(&self) -> usize {
+        self.score.covered
+    }
+
+    /// Whether PoI `p` is covered by any UAV.
+    ///
+    /// # Panics
+    /// When there is no PoI `p`.
+    #[must_use]
+    pub fn poi_is_covered(&self, p: usize) -> bool {
+        self.score.is_covered(p)
+    }
+
+    /// Metrics of the steps made so far; all zero before the first.
+    #[must_use]
+    pub fn metrics(&self) -> EpisodeMetrics {
+        self.totals.metrics(&self.score)
+    }
+}
