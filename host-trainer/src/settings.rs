@@ -2,6 +2,7 @@
 //! table. A TOML file and `--set key=value` write to the same keys; unknown keys and
 //! bad values are errors that say what would be right.
 
+use covey_env::{Law, Scenario};
 use firmware_core::actor::Aggregation;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -200,27 +201,6 @@ settings! {
     calibration_worlds: u32 = 16, "1 to 10000", |v| (1..=10_000).contains(v);
 }
 
-/// Law of the PoIs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Law {
-    /// Around three centres.
-    Clustered,
-    /// All over the map.
-    Uniform,
-}
-
-impl Law {
-    /// Its name.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Clustered => "clustered",
-            Self::Uniform => "uniform",
-        }
-    }
-}
-
 /// Aggregation as a setting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Graph(pub Aggregation);
@@ -261,13 +241,22 @@ impl Value for bool {
     }
 }
 
+/// Its name in settings and on the command line.
+#[must_use]
+pub const fn law_name(law: Law) -> &'static str {
+    match law {
+        Law::Clustered => "clustered",
+        Law::Uniform => "uniform",
+    }
+}
+
 impl Value for Law {
     const KIND: &'static str = "\"clustered\" or \"uniform\"";
     fn read(v: &toml::Value) -> Option<Self> {
-        [Self::Clustered, Self::Uniform].into_iter().find(|l| v.as_str() == Some(l.name()))
+        [Self::Clustered, Self::Uniform].into_iter().find(|l| v.as_str() == Some(law_name(*l)))
     }
     fn show(&self) -> String {
-        format!("{:?}", self.name())
+        format!("{:?}", law_name(*self))
     }
 }
 
@@ -282,9 +271,8 @@ impl Value for Graph {
 }
 
 fn unknown(key: &str) -> SettingsError {
-    let near = KEYS.iter().max_by(|a, b| {
-        strsim::jaro_winkler(a.name, key).total_cmp(&strsim::jaro_winkler(b.name, key))
-    });
+    let near =
+        KEYS.iter().max_by(|a, b| strsim::jaro_winkler(a.name, key).total_cmp(&strsim::jaro_winkler(b.name, key)));
     let hint = near.map_or_else(String::new, |k| format!("; the nearest is `{}`", k.name));
     SettingsError::UnknownKey { key: key.to_owned(), hint }
 }
@@ -307,8 +295,8 @@ impl Settings {
     /// See [`SettingsError`].
     pub fn merge_file(&mut self, path: &Path) -> Result<(), SettingsError> {
         let name = path.display().to_string();
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| SettingsError::Read { path: name.clone(), source })?;
+        let text =
+            std::fs::read_to_string(path).map_err(|source| SettingsError::Read { path: name.clone(), source })?;
         self.merge(&text, &name)
     }
 
@@ -317,8 +305,7 @@ impl Settings {
     /// # Errors
     /// See [`SettingsError`].
     pub fn set(&mut self, assignment: &str) -> Result<(), SettingsError> {
-        let (key, value) =
-            assignment.split_once('=').ok_or_else(|| SettingsError::NoValue(assignment.to_owned()))?;
+        let (key, value) = assignment.split_once('=').ok_or_else(|| SettingsError::NoValue(assignment.to_owned()))?;
         let (key, value) = (key.trim(), value.trim());
         let parsed = format!("v = {value}").parse::<toml::Table>().ok().and_then(|mut t| t.remove("v"));
         self.put(key, &parsed.unwrap_or_else(|| toml::Value::String(value.to_owned())))
@@ -344,6 +331,18 @@ impl Settings {
             )));
         }
         Ok(())
+    }
+
+    /// The worlds to train on.
+    #[must_use]
+    pub fn world(&self) -> Scenario {
+        Scenario {
+            uavs: usize::from(self.uavs),
+            pois: usize::from(self.pois),
+            law: self.scenario,
+            side_u: self.side as f32,
+            steps: self.steps,
+        }
     }
 
     /// Rounds of `worlds` episodes in the whole run.

@@ -1,7 +1,6 @@
 //! Forward passes in burn (paper, equations 5 to 7; figure 4).
 
-use burn::tensor::activation::leaky_relu;
-use burn::tensor::activation::softmax;
+use burn::tensor::activation::{leaky_relu, relu, softmax};
 use burn::tensor::module::linear;
 use burn::tensor::{Device, Tensor, TensorData};
 use covey_env::Links;
@@ -27,7 +26,13 @@ impl Batch {
     /// A batch from `links.len()/uavs` world-steps; `observations` holds 140 numbers for
     /// every entry of `links`.
     #[must_use]
-    pub fn new(observations: Vec<f32>, links: &[Links], uavs: usize, aggregation: Aggregation, device: &Device) -> Self {
+    pub fn new(
+        observations: Vec<f32>,
+        links: &[Links],
+        uavs: usize,
+        aggregation: Aggregation,
+        device: &Device,
+    ) -> Self {
         let world_steps = links.len() / uavs;
         let graph = (aggregation != Aggregation::None).then(|| {
             let weights = graph_weights(links, uavs, aggregation);
@@ -75,7 +80,7 @@ fn dense(x: Tensor<2>, w: &Tensor<2>, b: &Tensor<2>) -> Tensor<2> {
 
 /// Features `h`, `[B·N, feature]`.
 fn encode(x: Tensor<2>, t: &[Tensor<2>]) -> Tensor<2> {
-    dense(dense(x, &t[0], &t[1]).relu(), &t[2], &t[3]).relu()
+    relu(dense(relu(dense(x, &t[0], &t[1])), &t[2], &t[3]))
 }
 
 /// Logits `[B·N, 17]` of a batch.
@@ -92,20 +97,14 @@ pub fn actor_logits(actor: &ActorTensors<'_>, batch: &Batch) -> Tensor<2> {
             Aggregation::Gat => attention(graph, z, &t[11], &t[12], batch),
             _ => graph.clone(),
         };
-        let y = (weights.matmul(z3).reshape([n, width]) + t[9].clone()).relu();
+        let y = relu(weights.matmul(z3).reshape([n, width]) + t[9].clone());
         hidden = hidden + y.matmul(t[10].clone());
     }
-    dense(hidden.relu(), &t[6], &t[7])
+    dense(relu(hidden), &t[6], &t[7])
 }
 
 /// Attention weights of equation (6), `[B, N, N]`; `graph` masks what is not linked.
-fn attention(
-    graph: &Tensor<3>,
-    z: Tensor<2>,
-    receiver: &Tensor<2>,
-    sender: &Tensor<2>,
-    batch: &Batch,
-) -> Tensor<3> {
+fn attention(graph: &Tensor<3>, z: Tensor<2>, receiver: &Tensor<2>, sender: &Tensor<2>, batch: &Batch) -> Tensor<3> {
     let (b, n) = (batch.world_steps, batch.uavs);
     let s = z.clone().matmul(receiver.clone()).reshape([b, n, 1]);
     let t = z.matmul(sender.clone()).reshape([b, 1, n]);
@@ -126,6 +125,6 @@ pub fn critic_values(critic: &CriticTensors<'_>, batch: &Batch) -> Tensor<2> {
     let shared = dense(mean, &t[5], &t[6]);
     let m = shared.dims()[1];
     let own = e.matmul(t[4].clone()).reshape([b, uavs, m]);
-    let hidden = (own + shared.reshape([b, 1, m])).relu().reshape([n, m]);
+    let hidden = relu(own + shared.reshape([b, 1, m])).reshape([n, m]);
     dense(hidden, &t[7], &t[8])
 }

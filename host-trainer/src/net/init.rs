@@ -1,14 +1,13 @@
 //! Orthogonal initialisation.
 
 use super::Layout;
-use rand::{Rng, SeedableRng};
+use covey_env::random::{normal_pair, stream};
 use rand_chacha::ChaCha8Rng;
 
 /// Fresh parameters: every weight matrix orthogonal times its gain, biases zero.
 #[must_use]
-pub fn initialise(layout: &Layout, seed: u64, stream: u64) -> Vec<f32> {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    random.set_stream(stream);
+pub fn initialise(layout: &Layout, purpose: &str, seed: u64) -> Vec<f32> {
+    let mut random = stream(purpose, seed, 0);
     let mut values = Vec::with_capacity(layout.len());
     for piece in layout.pieces() {
         if piece.gain == 0.0 {
@@ -20,20 +19,13 @@ pub fn initialise(layout: &Layout, seed: u64, stream: u64) -> Vec<f32> {
     values
 }
 
-/// A standard normal number (Box–Muller).
-fn normal(random: &mut ChaCha8Rng) -> f64 {
-    let unit = |r: &mut ChaCha8Rng| (r.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
-    let (u, v) = (1.0 - unit(random), unit(random));
-    (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
-}
-
 /// A matrix of `rows × columns` whose shorter side is orthonormal: Gram–Schmidt, twice
 /// for accuracy, on normal vectors along the longer side.
 fn orthogonal(rows: usize, columns: usize, random: &mut ChaCha8Rng) -> Vec<f32> {
     let (count, length) = if rows < columns { (rows, columns) } else { (columns, rows) };
     let mut basis: Vec<Vec<f64>> = Vec::with_capacity(count);
     while basis.len() < count {
-        let mut v: Vec<f64> = (0..length).map(|_| normal(random)).collect();
+        let mut v: Vec<f64> = (0..length).map(|_| normal_pair(random).0).collect();
         for _ in 0..2 {
             for b in &basis {
                 let along: f64 = v.iter().zip(b).map(|(x, y)| x * y).sum();
@@ -57,7 +49,7 @@ mod tests {
     #[test]
     fn columns_are_orthonormal() {
         let (r, c) = (40, 12);
-        let m = orthogonal(r, c, &mut ChaCha8Rng::seed_from_u64(1));
+        let m = orthogonal(r, c, &mut stream("test", 1, 0));
         for i in 0..c {
             for j in 0..c {
                 let dot: f32 = (0..r).map(|k| m[k * c + i] * m[k * c + j]).sum();

@@ -82,11 +82,7 @@ impl Layout {
             ("output bias", 1, ACTIONS, 0.0),
         ];
         if aggregation != Aggregation::None {
-            parts.extend([
-                ("graph", h, h, RELU_GAIN),
-                ("graph bias", 1, h, 0.0),
-                ("head aggregate", h, m, RELU_GAIN),
-            ]);
+            parts.extend([("graph", h, h, RELU_GAIN), ("graph bias", 1, h, 0.0), ("head aggregate", h, m, RELU_GAIN)]);
         }
         if aggregation == Aggregation::Gat {
             parts.extend([("attention receiver", h, 1, 1.0), ("attention sender", h, 1, 1.0)]);

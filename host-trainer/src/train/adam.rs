@@ -1,0 +1,78 @@
+//! Adam on a flat vector, with the gradient clipped by its global norm.
+
+use serde::{Deserialize, Serialize};
+
+const BETA1: f32 = 0.9;
+const BETA2: f32 = 0.999;
+const EPSILON: f32 = 1e-5;
+
+/// State of the optimiser (Kingma and Ba, algorithm 1).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Adam {
+    first: Vec<f32>,
+    second: Vec<f32>,
+    steps: u64,
+}
+
+impl Adam {
+    /// For a vector of this length.
+    #[must_use]
+    pub fn new(length: usize) -> Self {
+        Self { first: vec![0.0; length], second: vec![0.0; length], steps: 0 }
+    }
+
+    /// Length of the vector it is for.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.first.len()
+    }
+
+    /// Whether it is for an empty vector.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.first.is_empty()
+    }
+
+    /// One step of `values` against `gradient`, which is first shortened to `max_norm`.
+    /// Returns the norm before that.
+    pub fn step(&mut self, values: &mut [f32], gradient: &[f32], learning_rate: f64, max_norm: f64) -> f64 {
+        let norm = gradient.iter().map(|&g| f64::from(g) * f64::from(g)).sum::<f64>().sqrt();
+        let shrink = (max_norm / (norm + 1e-6)).min(1.0) as f32;
+        self.steps += 1;
+        let correction = |beta: f32| 1.0 - f64::from(beta).powi(self.steps.min(i32::MAX as u64) as i32);
+        let (c1, c2) = (correction(BETA1), correction(BETA2));
+        let rate = (learning_rate * c2.sqrt() / c1) as f32;
+        let epsilon = (f64::from(EPSILON) * c2.sqrt()) as f32;
+        let moments = self.first.iter_mut().zip(&mut self.second);
+        for ((v, &g), (m, s)) in values.iter_mut().zip(gradient).zip(moments) {
+            let g = g * shrink;
+            *m += (1.0 - BETA1) * (g - *m);
+            *s += (1.0 - BETA2) * (g * g - *s);
+            *v -= rate * *m / (s.sqrt() + epsilon);
+        }
+        norm
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn first_step_has_the_length_of_the_learning_rate() {
+        let (mut adam, mut v) = (Adam::new(2), vec![1.0, 1.0]);
+        let norm = adam.step(&mut v, &[3.0, -4.0], 0.01, 1e9);
+        assert!((norm - 5.0).abs() < 1e-9);
+        assert!((v[0] - 0.99).abs() < 1e-5 && (v[1] - 1.01).abs() < 1e-5, "{v:?}");
+    }
+
+    #[test]
+    fn finds_the_minimum_of_a_bowl() {
+        let (mut adam, mut v) = (Adam::new(1), vec![5.0f32]);
+        for _ in 0..2000 {
+            let g = [2.0 * (v[0] - 1.0)];
+            adam.step(&mut v, &g, 0.02, 0.5);
+        }
+        assert!((v[0] - 1.0).abs() < 1e-2, "{v:?}");
+    }
+}

@@ -1,0 +1,15 @@
+//! MAPPO: shared actor, central critic, clipped objective (paper, algorithm 1).
+
+mod adam;
+mod advantage;
+mod ppo;
+mod shard;
+mod trainer;
+mod update;
+mod workers;
+
+pub use adam::Adam;
+pub use advantage::{ValueNorm, advantages};
+pub use shard::{floats, pick, to_floats};
+pub use trainer::{Row, State, Trainer};
+pub use workers::Workers;

@@ -1,0 +1,142 @@
+//! The PPO loss and its gradient (paper, equations 8 and 12), sample by sample.
+//!
+//! The gradient with respect to logits and values is written out here; burn's
+//! autodiff carries it through the networks.
+
+use firmware_core::action::ACTIONS;
+
+/// Log-probabilities of a row of logits.
+#[must_use]
+pub fn log_softmax(logits: &[f32]) -> [f32; ACTIONS] {
+    let top = logits.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+    let sum: f32 = logits.iter().map(|l| (l - top).exp()).sum();
+    let shift = top + sum.ln();
+    std::array::from_fn(|k| logits[k] - shift)
+}
+
+/// Numbers of the loss that come from the settings.
+#[derive(Clone, Copy, Debug)]
+pub struct Loss {
+    /// Clip range of the ratio.
+    pub clip: f32,
+    /// Weight of the entropy bonus.
+    pub entropy: f32,
+    /// Error at which the value loss turns linear.
+    pub huber: f32,
+    /// Samples in the whole minibatch: the loss is their mean.
+    pub samples: f32,
+}
+
+/// One sample of the buffer.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    /// Action taken.
+    pub action: u8,
+    /// Its log-probability when it was taken.
+    pub log_probability: f32,
+    /// Normalised advantage.
+    pub advantage: f32,
+    /// Normalised return.
+    pub target: f32,
+}
+
+/// Sums over samples, for the metrics.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sums {
+    /// Clipped surrogate, negated.
+    pub policy_loss: f64,
+    /// Value loss.
+    pub value_loss: f64,
+    /// Entropy.
+    pub entropy: f64,
+    /// Estimate of the KL divergence from the old policy: r − 1 − ln r.
+    pub kl: f64,
+    /// Samples whose ratio left the clip range.
+    pub clipped: f64,
+    /// Samples.
+    pub samples: f64,
+}
+
+impl Sums {
+    /// Adds those of another part.
+    pub fn add(&mut self, o: &Self) {
+        self.policy_loss += o.policy_loss;
+        self.value_loss += o.value_loss;
+        self.entropy += o.entropy;
+        self.kl += o.kl;
+        self.clipped += o.clipped;
+        self.samples += o.samples;
+    }
+}
+
+impl Loss {
+    /// Adds a sample's loss to `sums` and overwrites its logits by the gradient of the
+    /// mean loss with respect to them; returns the gradient with respect to its value.
+    pub fn sample(&self, logits: &mut [f32], value: f32, s: &Sample, sums: &mut Sums) -> f32 {
+        let log_p = log_softmax(logits);
+        let a = usize::from(s.action);
+        let log_ratio = log_p[a] - s.log_probability;
+        let ratio = log_ratio.exp();
+        let clipped = ratio.clamp(1.0 - self.clip, 1.0 + self.clip);
+        let surrogate = (ratio * s.advantage).min(clipped * s.advantage);
+        // Where the clipped branch is the smaller one, it is constant.
+        let pull = if ratio * s.advantage <= clipped * s.advantage { -ratio * s.advantage } else { 0.0 };
+        let entropy: f32 = -log_p.iter().map(|l| l.exp() * l).sum::<f32>();
+        for (k, (g, l)) in logits.iter_mut().zip(log_p).enumerate() {
+            let p = l.exp();
+            let policy = pull * (f32::from(u8::from(k == a)) - p);
+            *g = (policy + self.entropy * p * (l + entropy)) / self.samples;
+        }
+        let error = value - s.target;
+        let value_loss =
+            if error.abs() <= self.huber { 0.5 * error * error } else { self.huber * (error.abs() - 0.5 * self.huber) };
+        sums.add(&Sums {
+            policy_loss: f64::from(-surrogate),
+            value_loss: f64::from(value_loss),
+            entropy: f64::from(entropy),
+            kl: f64::from(ratio - 1.0 - log_ratio),
+            clipped: f64::from(u8::from((ratio - 1.0).abs() > self.clip)),
+            samples: 1.0,
+        });
+        error.clamp(-self.huber, self.huber) / self.samples
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// The written-out gradient is the slope of the loss.
+        #[test]
+        fn gradient_is_the_slope(
+            logits in proptest::array::uniform17(-3.0f32..3.0),
+            action in 0u8..17, advantage in -2.0f32..2.0, shift in -0.5f32..0.5,
+            value in -3.0f32..3.0, target in -3.0f32..3.0,
+        ) {
+            let loss = Loss { clip: 0.2, entropy: 0.01, huber: 1.0, samples: 1.0 };
+            let log_probability = log_softmax(&logits)[usize::from(action)] + shift;
+            let s = Sample { action, log_probability, advantage, target };
+            let total = |l: &[f32; 17], v: f32| {
+                let (mut l, mut sums) = (*l, Sums::default());
+                loss.sample(&mut l, v, &s, &mut sums);
+                sums.policy_loss - 0.01 * sums.entropy + sums.value_loss
+            };
+            // At the edge of the clip range the loss has a corner.
+            prop_assume!(((-shift).exp() - 1.2).abs() > 0.02 && ((-shift).exp() - 0.8).abs() > 0.02);
+            let mut gradient = logits;
+            let by_value = loss.sample(&mut gradient, value, &s, &mut Sums::default());
+            let h = 3e-3f32;
+            for k in 0..17 {
+                let (mut up, mut down) = (logits, logits);
+                up[k] += h;
+                down[k] -= h;
+                let slope = (total(&up, value) - total(&down, value)) / f64::from(2.0 * h);
+                prop_assert!((slope - f64::from(gradient[k])).abs() < 2e-3, "{k}: {slope} {}", gradient[k]);
+            }
+            let slope = (total(&logits, value + h) - total(&logits, value - h)) / f64::from(2.0 * h);
+            prop_assert!((slope - f64::from(by_value)).abs() < 3e-3, "value: {slope} {by_value}");
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! One shard: some of the worlds, and what they went through in a segment.
+
+use super::advantage::{ValueNorm, advantages};
+use super::ppo::log_softmax;
+use crate::net::{ActorTensors, Batch, CriticTensors, actor_logits, critic_values};
+use crate::settings::Settings;
+use burn::tensor::{Device, Tensor};
+use covey_env::{EpisodeMetrics, Links, World};
+use firmware_core::action::Action;
+use firmware_core::actor::Aggregation;
+use firmware_core::observation::{LEN, Observation};
+use firmware_core::random::action_draw;
+
+/// Worlds of a shard with the buffers of a segment. Arrays are laid out
+/// `[step][world][UAV]`.
+pub struct Shard {
+    worlds: Vec<World>,
+    policy_seeds: Vec<u64>,
+    uavs: usize,
+    steps: usize,
+    /// Observations, one step more than the segment has: the last is what comes next.
+    pub observations: Vec<Observation>,
+    /// Kept neighbours, as `observations`.
+    pub links: Vec<Links>,
+    /// Actions taken.
+    pub actions: Vec<Action>,
+    /// Their log-probabilities.
+    pub log_probabilities: Vec<f32>,
+    rewards: Vec<f32>,
+    values: Vec<f32>,
+    /// Advantages, before normalisation.
+    pub advantages: Vec<f32>,
+    /// Returns in reward units.
+    pub returns: Vec<f32>,
+}
+
+/// Networks as plain tensors, for passes without gradients.
+pub struct Nets<'t> {
+    /// Form of the actor.
+    pub aggregation: Aggregation,
+    /// Actor, in layout order.
+    pub actor: &'t [Tensor<2>],
+    /// Critic, in layout order.
+    pub critic: &'t [Tensor<2>],
+    /// Where they live.
+    pub device: &'t Device,
+}
+
+/// Seed of the on-board random numbers of training episode `episode`.
+fn policy_seed(seed: u64, episode: u64) -> u64 {
+    // SplitMix64's increment keeps neighbouring episodes far apart; the board mixes on.
+    (seed ^ 0x7261_696e).wrapping_add(episode.wrapping_mul(0x9e37_79b9_7f4a_7c15))
+}
+
+impl Shard {
+    /// A shard of `count` worlds.
+    ///
+    /// # Errors
+    /// When the scenario cannot be built.
+    pub fn new(s: &Settings, count: usize) -> Result<Self, covey_env::ScenarioError> {
+        let (uavs, steps) = (usize::from(s.uavs), s.segment as usize);
+        let (row, cells) = (count * uavs, count * uavs * steps);
+        Ok(Self {
+            worlds: (0..count).map(|_| World::new(&s.world())).collect::<Result<_, _>>()?,
+            policy_seeds: vec![0; count],
+            uavs,
+            steps,
+            observations: vec![[0; LEN]; cells + row],
+            links: vec![Links::default(); cells + row],
+            actions: vec![Action::COAST; cells],
+            log_probabilities: vec![0.0; cells],
+            rewards: vec![0.0; cells],
+            values: vec![0.0; cells + row],
+            advantages: vec![0.0; cells],
+            returns: vec![0.0; cells],
+        })
+    }
+
+    /// Worlds in this shard.
+    #[must_use]
+    pub fn worlds(&self) -> usize {
+        self.worlds.len()
+    }
+
+    fn row(&self) -> usize {
+        self.worlds.len() * self.uavs
+    }
+
+    /// Begins new episodes, numbered from `first`.
+    pub fn reset(&mut self, s: &Settings, first: u64) {
+        for (k, world) in self.worlds.iter_mut().enumerate() {
+            let episode = first + k as u64;
+            world.reset(s.seed, episode);
+            self.policy_seeds[k] = policy_seed(s.seed, episode);
+        }
+        let at = self.steps * self.row();
+        self.observe(s, at);
+    }
+
+    /// Writes the present observations to `at`.
+    fn observe(&mut self, s: &Settings, at: usize) {
+        let n = self.uavs;
+        for (k, world) in self.worlds.iter_mut().enumerate() {
+            let place = at + k * n..at + (k + 1) * n;
+            let (o, l) = (&mut self.observations[place.clone()], &mut self.links[place]);
+            world.observe(self.policy_seeds[k], s.tie_period, o, l);
+        }
+    }
+
+    /// A batch of the rows at `start..start + len`, for passes without gradients.
+    fn batch(&self, start: usize, nets: &Nets<'_>) -> Batch {
+        let end = start + self.row();
+        let numbers = to_floats(&self.observations[start..end]);
+        Batch::new(numbers, &self.links[start..end], self.uavs, nets.aggregation, nets.device)
+    }
+
+    /// Plays a segment with sampled actions, values it and computes advantages.
+    pub fn play(&mut self, s: &Settings, nets: &Nets<'_>, norm: &ValueNorm) {
+        let row = self.row();
+        let last = self.steps * row;
+        self.observations.copy_within(last.., 0);
+        self.links.copy_within(last.., 0);
+        for t in 0..self.steps {
+            let logits = actor_logits(&ActorTensors::new(nets.actor, nets.aggregation), &self.batch(t * row, nets));
+            self.act(t, &floats(logits));
+            self.step(t, s);
+            self.observe(s, (t + 1) * row);
+        }
+        for t in 0..=self.steps {
+            let values = critic_values(&CriticTensors(nets.critic), &self.batch(t * row, nets));
+            for (v, raw) in self.values[t * row..(t + 1) * row].iter_mut().zip(floats(values)) {
+                *v = norm.restore(raw);
+            }
+        }
+        self.estimate(s);
+    }
+
+    /// Samples the actions of step `t`.
+    fn act(&mut self, t: usize, logits: &[f32]) {
+        let row = self.row();
+        for (k, row_logits) in logits.chunks_exact(logits.len() / row).enumerate() {
+            let (world, id) = (k / self.uavs, k % self.uavs);
+            let step = self.worlds[world].steps_done();
+            let log_p = log_softmax(row_logits);
+            let draw = f64::from(action_draw(self.policy_seeds[world], id as u16, step)) / (1u64 << 32) as f64;
+            let action = pick(&log_p, draw);
+            self.actions[t * row + k] = action;
+            self.log_probabilities[t * row + k] = log_p[usize::from(action.index())];
+        }
+    }
+
+    fn step(&mut self, t: usize, s: &Settings) {
+        let (row, n) = (self.row(), self.uavs);
+        for (k, world) in self.worlds.iter_mut().enumerate() {
+            let place = t * row + k * n..t * row + (k + 1) * n;
+            world.step(&self.actions[place.clone()]);
+            let rewards = world.rewards();
+            let team = rewards.iter().sum::<f32>() / n as f32;
+            let share = s.team_share as f32;
+            for (r, own) in self.rewards[place].iter_mut().zip(rewards) {
+                *r = own + share * (team - own);
+            }
+        }
+    }
+
+    fn estimate(&mut self, s: &Settings) {
+        let row = self.row();
+        let ended = self.worlds.first().is_some_and(World::done);
+        let unvalued = ended && (!s.bootstrap_end || s.gamma >= 1.0);
+        let (mut r, mut v) = (vec![0.0; self.steps], vec![0.0; self.steps + 1]);
+        let mut a = vec![0.0; self.steps];
+        for k in 0..row {
+            r.iter_mut().enumerate().for_each(|(t, r)| *r = self.rewards[t * row + k]);
+            v.iter_mut().enumerate().for_each(|(t, v)| *v = self.values[t * row + k]);
+            if unvalued {
+                v[self.steps] = 0.0;
+            }
+            advantages(&r, &v, s.gamma as f32, s.lambda as f32, &mut a);
+            for t in 0..self.steps {
+                self.advantages[t * row + k] = a[t];
+                self.returns[t * row + k] = a[t] + v[t];
+            }
+        }
+    }
+
+    /// Metrics of the episodes in their present state, summed over the worlds.
+    #[must_use]
+    pub fn metrics(&self) -> Vec<EpisodeMetrics> {
+        self.worlds.iter().map(World::metrics).collect()
+    }
+}
+
+/// The action in which `draw` of the probability falls.
+#[must_use]
+pub fn pick(log_p: &[f32], draw: f64) -> Action {
+    let mut left = draw;
+    for (action, l) in Action::all().zip(log_p) {
+        left -= f64::from(*l).exp();
+        if left < 0.0 {
+            return action;
+        }
+    }
+    Action::COAST
+}
+
+/// Observations as the networks take them.
+#[must_use]
+pub fn to_floats(observations: &[Observation]) -> Vec<f32> {
+    const SCALE: f32 = 1.0 / 127.0;
+    observations.as_flattened().iter().map(|&o| f32::from(o) * SCALE).collect()
+}
+
+/// The numbers of a tensor.
+///
+/// # Panics
+/// When it does not hold `f32`.
+#[must_use]
+pub fn floats(t: Tensor<2>) -> Vec<f32> {
+    t.into_data().try_into_vec().expect("a float tensor")
+}

@@ -1,0 +1,246 @@
+//! The state of a training run and one round of it.
+
+use super::adam::Adam;
+use super::advantage::{ValueNorm, moments};
+use super::ppo::Loss;
+use super::shard::{Nets, Shard};
+use super::update::{Learner, Outcome, Plan, Segment, update};
+use super::workers::Workers;
+use crate::net::{Layout, dimensions, initialise};
+use crate::settings::Settings;
+use burn::tensor::Device;
+use covey_env::{EpisodeMetrics, ScenarioError};
+use serde::{Deserialize, Serialize};
+
+/// All that a run carries from round to round. Random numbers are drawn from streams
+/// named by the seed and the round, so no generator's state is part of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Rounds done.
+    pub rounds: u32,
+    /// The actor's parameters.
+    pub actor: Vec<f32>,
+    /// The critic's parameters.
+    pub critic: Vec<f32>,
+    /// The actor's optimiser.
+    pub actor_adam: Adam,
+    /// The critic's optimiser.
+    pub critic_adam: Adam,
+    /// Normalisation of returns.
+    pub norm: ValueNorm,
+}
+
+/// What a round gave: one row of `metrics.jsonl`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Episodes played so far.
+    pub episodes: u64,
+    /// Agent-steps so far.
+    pub agent_steps: u64,
+    /// Coverage index, mean over steps and the round's episodes.
+    pub coverage: f64,
+    /// Coverage after the last step.
+    pub coverage_last: f64,
+    /// Energy index.
+    pub energy: f64,
+    /// PoIs a UAV alone covers in its group.
+    pub individual: f64,
+    /// PoIs its group covers.
+    pub group: f64,
+    /// Episodic reward.
+    pub reward: f64,
+    /// Clipped surrogate, negated.
+    pub policy_loss: f64,
+    /// Value loss (of normalised returns).
+    pub value_loss: f64,
+    /// Entropy of the policy, nats.
+    pub entropy: f64,
+    /// Estimated KL divergence between the policies before and within an update, nats.
+    pub kl: f64,
+    /// Share of samples whose ratio left the clip range.
+    pub clip_fraction: f64,
+    /// Norm of the actor's gradient before clipping.
+    pub actor_gradient: f64,
+    /// Norm of the critic's gradient before clipping.
+    pub critic_gradient: f64,
+    /// Share of the variance of returns that the values explain.
+    pub explained_variance: f64,
+    /// Learning rate.
+    pub learning_rate: f64,
+}
+
+/// A run in memory.
+pub struct Trainer {
+    settings: Settings,
+    layouts: [Layout; 2],
+    state: State,
+    shards: Vec<Shard>,
+}
+
+impl Trainer {
+    /// A fresh run.
+    ///
+    /// # Errors
+    /// When the scenario cannot be built.
+    pub fn new(settings: Settings) -> Result<Self, ScenarioError> {
+        let layouts = Self::layouts(&settings);
+        let state = State {
+            rounds: 0,
+            actor: initialise(&layouts[0], "actor weights", settings.seed),
+            critic: initialise(&layouts[1], "critic weights", settings.seed),
+            actor_adam: Adam::new(layouts[0].len()),
+            critic_adam: Adam::new(layouts[1].len()),
+            norm: ValueNorm::default(),
+        };
+        Self::resume(settings, state)
+    }
+
+    /// A run that goes on from `state`, which must be of these settings.
+    ///
+    /// # Errors
+    /// When the scenario cannot be built.
+    pub fn resume(settings: Settings, state: State) -> Result<Self, ScenarioError> {
+        let (worlds, shards) = (settings.worlds as usize, settings.shards as usize);
+        let shards = (0..shards)
+            .map(|k| Shard::new(&settings, (k + 1) * worlds / shards - k * worlds / shards))
+            .collect::<Result<_, _>>()?;
+        Ok(Self { layouts: Self::layouts(&settings), settings, state, shards })
+    }
+
+    /// Layouts of actor and critic.
+    #[must_use]
+    pub fn layouts(s: &Settings) -> [Layout; 2] {
+        let d = dimensions(s);
+        [Layout::actor(d, s.graph.0), Layout::critic(d)]
+    }
+
+    /// The settings.
+    #[must_use]
+    pub const fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The state after the rounds so far.
+    #[must_use]
+    pub const fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Whether all rounds are done.
+    #[must_use]
+    pub fn done(&self) -> bool {
+        self.state.rounds >= self.settings.rounds()
+    }
+
+    /// Plays an episode in every world, with an update after every segment.
+    pub fn round(&mut self, workers: &Workers) -> Row {
+        let s = self.settings.clone();
+        let mut first = u64::from(self.state.rounds) * u64::from(s.worlds);
+        let firsts: Vec<u64> = self
+            .shards
+            .iter()
+            .map(|shard| {
+                let own = first;
+                first += shard.worlds() as u64;
+                own
+            })
+            .collect();
+        let work: Vec<_> = self.shards.iter_mut().zip(firsts).collect();
+        workers.run(work, |_, (shard, first)| shard.reset(&s, first));
+        let segments = s.steps / s.segment;
+        let (mut total, mut explained, mut rate) = (Outcome::default(), 0.0, 0.0);
+        for segment in 0..segments {
+            self.play(&s, workers);
+            explained += self.explained_variance() / f64::from(segments);
+            let number = u64::from(self.state.rounds) * u64::from(segments) + u64::from(segment);
+            let progress = number as f64 / f64::from(s.rounds() * segments);
+            rate = s.learning_rate * (1.0 - (1.0 - s.learning_rate_end) * progress);
+            let outcome = self.learn(&s, workers, number, progress, rate);
+            total.sums.add(&outcome.sums);
+            total.minibatches += outcome.minibatches;
+            total.norms.iter_mut().zip(outcome.norms).for_each(|(t, o)| *t += o);
+        }
+        self.state.rounds += 1;
+        self.row(&total, explained, rate)
+    }
+
+    /// Plays a segment in every world.
+    fn play(&mut self, s: &Settings, workers: &Workers) {
+        let device = Device::flex();
+        let actor = self.layouts[0].tensors(&self.state.actor, &device);
+        let critic = self.layouts[1].tensors(&self.state.critic, &device);
+        let nets = Nets { aggregation: s.graph.0, actor: &actor, critic: &critic, device: &device };
+        let norm = self.state.norm;
+        workers.run(self.shards.iter_mut().collect(), |_, shard| shard.play(s, &nets, &norm));
+    }
+
+    fn learn(&mut self, s: &Settings, workers: &Workers, number: u64, progress: f64, learning_rate: f64) -> Outcome {
+        let all = |f: fn(&Shard) -> &Vec<f32>| self.shards.iter().flat_map(f).copied().collect::<Vec<f32>>();
+        let (mean, deviation) = moments(&all(|s| &s.returns));
+        self.state.norm.update(mean, deviation, s.value_norm_decay);
+        let segment = Segment {
+            advantage: moments(&all(|s| &s.advantages)),
+            shards: &self.shards,
+            uavs: usize::from(s.uavs),
+            steps: s.segment as usize,
+            norm: self.state.norm,
+        };
+        let plan = Plan {
+            epochs: s.epochs,
+            minibatch: s.minibatch as usize,
+            parts: s.shards as usize,
+            learning_rate,
+            gradient_norm: s.gradient_norm,
+            loss: Loss {
+                clip: s.clip as f32,
+                entropy: (s.entropy + (s.entropy_end - s.entropy) * progress) as f32,
+                huber: s.huber as f32,
+                samples: 1.0,
+            },
+            shuffle: (s.seed, number),
+        };
+        let state = &mut self.state;
+        let mut learner = Learner {
+            aggregation: s.graph.0,
+            layouts: [&self.layouts[0], &self.layouts[1]],
+            values: [&mut state.actor, &mut state.critic],
+            adam: [&mut state.actor_adam, &mut state.critic_adam],
+        };
+        update(&mut learner, &segment, &plan, workers)
+    }
+
+    /// 1 − var(return − value)/var(return); return − value is the advantage.
+    fn explained_variance(&self) -> f64 {
+        let all = |f: fn(&Shard) -> &Vec<f32>| self.shards.iter().flat_map(f).copied().collect::<Vec<f32>>();
+        let (_, of_returns) = moments(&all(|s| &s.returns));
+        let (_, of_errors) = moments(&all(|s| &s.advantages));
+        if of_returns > 0.0 { 1.0 - (of_errors / of_returns).powi(2) } else { 0.0 }
+    }
+
+    fn row(&self, o: &Outcome, explained_variance: f64, learning_rate: f64) -> Row {
+        let s = &self.settings;
+        let all: Vec<EpisodeMetrics> = self.shards.iter().flat_map(Shard::metrics).collect();
+        let mean = |f: fn(&EpisodeMetrics) -> f64| all.iter().map(f).sum::<f64>() / all.len() as f64;
+        let episodes = u64::from(self.state.rounds) * u64::from(s.worlds);
+        let of = |v: f64| v / o.sums.samples;
+        Row {
+            episodes,
+            agent_steps: episodes * u64::from(s.steps) * u64::from(s.uavs),
+            coverage: mean(|m| m.coverage),
+            coverage_last: mean(|m| m.coverage_last),
+            energy: mean(|m| m.energy),
+            individual: mean(|m| m.individual),
+            group: mean(|m| m.group),
+            reward: mean(|m| m.reward),
+            policy_loss: of(o.sums.policy_loss),
+            value_loss: of(o.sums.value_loss),
+            entropy: of(o.sums.entropy),
+            kl: of(o.sums.kl),
+            clip_fraction: of(o.sums.clipped),
+            actor_gradient: o.norms[0] / o.minibatches,
+            critic_gradient: o.norms[1] / o.minibatches,
+            explained_variance,
+            learning_rate,
+        }
+    }
+}
