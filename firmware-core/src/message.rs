@@ -6,22 +6,19 @@
 //! byte in `docs/messages.md`, and exactly one form: two different byte strings never
 //! mean the same. There is no checksum inside; the link below has one.
 
+use crate::actor::{self, Actor, MAX_DEGREE, MAX_FEATURE};
 use crate::geometry::{COORDINATE_LIMIT, State, Vec2};
-use crate::observation::MAX_NEIGHBOURS;
+use crate::neighbour_table::Policy;
 use heapless::Vec;
 
 /// Version of both layouts, the first byte of a message.
 pub const VERSION: u8 = 1;
-/// Greatest number of values of a feature.
-pub const MAX_WIDTH: usize = 64;
-/// Greatest degree a feature can announce: the neighbours kept and the UAV itself.
-pub const MAX_DEGREE: u8 = MAX_NEIGHBOURS as u8 + 1;
 /// Length of a beacon, bytes.
 pub const BEACON_LEN: usize = 27;
 /// Length of a feature without its values, bytes.
 pub const FEATURE_HEAD_LEN: usize = 18;
 /// Length of the longest message, bytes.
-pub const MAX_LEN: usize = FEATURE_HEAD_LEN + MAX_WIDTH;
+pub const MAX_LEN: usize = FEATURE_HEAD_LEN + MAX_FEATURE;
 
 const KIND_BEACON: u8 = 1;
 const KIND_FEATURE: u8 = 2;
@@ -96,28 +93,37 @@ pub struct Feature {
     header: Header,
     degree: u8,
     actor: u32,
-    scalar: i16,
-    values: Vec<i8, MAX_WIDTH>,
+    attended: i16,
+    values: Vec<i8, MAX_FEATURE>,
 }
 
 impl Feature {
-    /// A feature of 1 to [`MAX_WIDTH`] `values`.
+    /// A feature of 1 to [`MAX_FEATURE`] `values`.
     ///
     /// `degree` is the number of neighbours kept plus one for the sender itself (1 to
-    /// [`MAX_DEGREE`]), `actor` the content hash of the policy, `scalar` the neighbour's
+    /// [`MAX_DEGREE`]), `actor` the content hash of the policy, `attended` the sender's
     /// half of the attention score (0 where the policy has none).
     ///
     /// # Errors
     /// [`MessageError::Degree`] or [`MessageError::Width`] when one is out of range.
-    pub fn new(header: Header, degree: u8, actor: u32, scalar: i16, values: &[i8]) -> Result<Self, MessageError> {
+    pub fn new(header: Header, degree: u8, actor: u32, attended: i16, values: &[i8]) -> Result<Self, MessageError> {
         if !(1..=MAX_DEGREE).contains(&degree) {
             return Err(MessageError::Degree(degree));
         }
         let width = u8::try_from(values.len()).unwrap_or(u8::MAX);
         match Vec::from_slice(values) {
-            Ok(values) if !values.is_empty() => Ok(Self { header, degree, actor, scalar, values }),
+            Ok(values) if !values.is_empty() => Ok(Self { header, degree, actor, attended, values }),
             _ => Err(MessageError::Width(width)),
         }
+    }
+
+    /// What a UAV with this policy, own feature and degree (itself included, taken as 1 to
+    /// [`MAX_DEGREE`]) broadcasts; `None` when the policy uses no features of others.
+    #[must_use]
+    pub fn of(header: Header, degree: u8, actor: &Actor<'_>, own: &actor::Feature) -> Option<Self> {
+        let width = usize::from(Policy::of(actor).width);
+        let values = own.values.get(..width)?;
+        Self::new(header, degree.clamp(1, MAX_DEGREE), actor.message_hash(), own.attended, values).ok()
     }
 
     /// Who sent it and when.
@@ -138,13 +144,13 @@ impl Feature {
         self.actor
     }
 
-    /// The neighbour's half of the attention score; 0 where the policy has none.
+    /// The sender's half of the attention score; 0 where the policy has none.
     #[must_use]
-    pub const fn scalar(&self) -> i16 {
-        self.scalar
+    pub const fn attended(&self) -> i16 {
+        self.attended
     }
 
-    /// The values, 1 to [`MAX_WIDTH`] of them.
+    /// The values, 1 to [`MAX_FEATURE`] of them.
     #[must_use]
     pub fn values(&self) -> &[i8] {
         &self.values
@@ -194,8 +200,8 @@ pub enum MessageError {
     /// Not 1 to [`MAX_DEGREE`].
     #[error("degree {0} is not 1 to {MAX_DEGREE}")]
     Degree(u8),
-    /// Not 1 to [`MAX_WIDTH`] values (more than 255 read as 255).
-    #[error("{0} values, a feature has 1 to {MAX_WIDTH}")]
+    /// Not 1 to [`MAX_FEATURE`] values (more than 255 read as 255).
+    #[error("{0} values, a feature has 1 to {MAX_FEATURE}")]
     Width(u8),
 }
 
@@ -231,7 +237,7 @@ impl Message {
                 put(buffer, 1, [KIND_FEATURE]);
                 put(buffer, 10, [f.degree]);
                 put(buffer, 11, f.actor.to_le_bytes());
-                put(buffer, 15, f.scalar.to_le_bytes());
+                put(buffer, 15, f.attended.to_le_bytes());
                 put(buffer, 17, [f.values.len() as u8]);
                 for (out, v) in buffer.iter_mut().skip(FEATURE_HEAD_LEN).zip(&f.values) {
                     *out = v.to_le_bytes()[0];
@@ -283,18 +289,18 @@ fn decode_feature(bytes: &[u8]) -> Result<Feature, MessageError> {
         return Err(MessageError::TooShort { len: bytes.len(), needed: FEATURE_HEAD_LEN });
     };
     let [width] = get(head, 17);
-    if !(1..=MAX_WIDTH).contains(&usize::from(width)) {
+    if !(1..=MAX_FEATURE).contains(&usize::from(width)) {
         return Err(MessageError::Width(width));
     }
     expect_len(bytes, FEATURE_HEAD_LEN + usize::from(width))?;
     let [degree] = get(head, 10);
-    let mut signed = [0i8; MAX_WIDTH];
+    let mut signed = [0i8; MAX_FEATURE];
     for (out, &v) in signed.iter_mut().zip(values) {
         *out = i8::from_le_bytes([v]);
     }
     let signed = signed.get(..values.len()).unwrap_or_default();
-    let (actor, scalar) = (u32::from_le_bytes(get(head, 11)), i16::from_le_bytes(get(head, 15)));
-    Feature::new(decode_header(head), degree, actor, scalar, signed)
+    let (actor, attended) = (u32::from_le_bytes(get(head, 11)), i16::from_le_bytes(get(head, 15)));
+    Feature::new(decode_header(head), degree, actor, attended, signed)
 }
 
 fn decode_header(bytes: &[u8]) -> Header {

@@ -12,8 +12,9 @@
 
 mod entry;
 
+use crate::actor::{Actor, Aggregation, MAX_FEATURE, NeighbourFeature};
 use crate::geometry::{SPEED_CAP_U, Vec2};
-use crate::message::{Beacon, Feature, MAX_WIDTH, Message};
+use crate::message::{Beacon, Feature, Message};
 use crate::observation::{MAX_NEIGHBOURS, Neighbours};
 use entry::Entry;
 use heapless::Vec;
@@ -46,8 +47,21 @@ pub struct Moment {
 pub struct Policy {
     /// Its content hash.
     pub hash: u32,
-    /// Values of its features, up to [`MAX_WIDTH`]; 0 when it uses none.
+    /// Values of its features, up to [`MAX_FEATURE`]; 0 when it uses none.
     pub width: u8,
+}
+
+impl Policy {
+    /// That of an actor.
+    #[must_use]
+    pub fn of(actor: &Actor<'_>) -> Self {
+        let width = match actor.aggregation() {
+            Aggregation::None => 0,
+            // Loading bounds it by 64.
+            Aggregation::Gcn | Aggregation::Gat => actor.dimensions().feature as u8,
+        };
+        Self { hash: actor.message_hash(), width }
+    }
 }
 
 /// What became of a message.
@@ -91,19 +105,6 @@ impl Answer {
     pub const fn is_taken(self) -> bool {
         matches!(self, Self::New | Self::Replaced(_) | Self::Updated | Self::Confirmed)
     }
-}
-
-/// A neighbour's feature, ready for aggregation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct NeighbourFeature<'a> {
-    /// Its sender.
-    pub id: u16,
-    /// The sender's neighbours kept plus itself, 1 to 17.
-    pub degree: u8,
-    /// The sender's half of the attention score.
-    pub scalar: i16,
-    /// The values.
-    pub values: &'a [i8],
 }
 
 /// The neighbours a UAV has heard of. About 2 KiB.
@@ -157,11 +158,15 @@ impl NeighbourTable {
         }
     }
 
-    /// The features at hand of the neighbours in `view`, in its order. A neighbour without
-    /// a feature young enough at `step` is left out.
-    pub fn features<'a>(&'a self, view: &'a Neighbours, step: u32) -> impl Iterator<Item = NeighbourFeature<'a>> {
-        let width = usize::from(self.policy.width).min(MAX_WIDTH);
-        view.as_slice().iter().filter_map(move |n| self.find(n.id)?.feature_at(step, width))
+    /// The features at hand of the neighbours in `view` with their ids, in its order. A
+    /// neighbour without a feature young enough at `step` is left out.
+    pub fn features<'a>(
+        &'a self,
+        view: &'a Neighbours,
+        step: u32,
+    ) -> impl Iterator<Item = (u16, NeighbourFeature<'a>)> + Clone {
+        let width = usize::from(self.policy.width).min(MAX_FEATURE);
+        view.as_slice().iter().filter_map(move |n| Some((n.id, self.find(n.id)?.feature_at(step, width)?)))
     }
 
     /// Number of UAVs in the table, in range or not.

@@ -58,7 +58,7 @@ fn view(table: &mut NeighbourTable, now: Moment) -> Vec<Neighbour> {
 fn features(table: &mut NeighbourTable, now: Moment) -> Vec<(u16, i8)> {
     let mut seen = Neighbours::new();
     table.view(HERE, now, &mut seen);
-    table.features(&seen, now.step).map(|f| (f.id, f.values[0])).collect()
+    table.features(&seen, now.step).map(|(id, f)| (id, f.values[0])).collect()
 }
 
 #[test]
@@ -205,7 +205,8 @@ fn features_need_a_beacon_the_same_policy_and_its_width() {
     t.view(HERE, at(5), &mut seen);
     let all: Vec<_> = t.features(&seen, 5).collect();
     assert_eq!(all.len(), 1);
-    assert_eq!((all[0].id, all[0].degree, all[0].scalar, all[0].values), (3, 3, -7, &[0i8; 4][..]));
+    let (id, f) = all[0];
+    assert_eq!((id, f.degree, f.attended, f.values), (3, 3, -7, &[0i8; 4][..]));
 }
 
 #[test]

@@ -1,8 +1,9 @@
 //! One sender in the neighbour table.
 
-use super::{Age, Answer, BELIEVED_SPEED_U, Moment, NeighbourFeature, POSITION_NOISE_U, age};
+use super::{Age, Answer, BELIEVED_SPEED_U, Moment, POSITION_NOISE_U, age};
+use crate::actor::{MAX_FEATURE, NeighbourFeature};
 use crate::geometry::{SPEED_CAP_U, TICKS_PER_U, Vec2, div_round};
-use crate::message::{Beacon, Feature, MAX_WIDTH};
+use crate::message::{Beacon, Feature};
 use crate::observation::Neighbour;
 use core::cmp::Ordering;
 
@@ -48,9 +49,9 @@ struct Doubt {
 struct Heard {
     step: u32,
     sequence: u16,
-    scalar: i16,
+    attended: i16,
     degree: u8,
-    values: [i8; MAX_WIDTH],
+    values: [i8; MAX_FEATURE],
 }
 
 /// What is known of one sender.
@@ -98,12 +99,12 @@ impl Entry {
         if let Some(answer) = self.feature.as_ref().and_then(|f| not_newer(sequence, f.sequence)) {
             return answer;
         }
-        let mut values = [0; MAX_WIDTH];
+        let mut values = [0; MAX_FEATURE];
         for (kept, &v) in values.iter_mut().zip(feature.values()) {
             *kept = v;
         }
         let step = feature.header().step;
-        self.feature = Some(Heard { step, sequence, scalar: feature.scalar(), degree: feature.degree(), values });
+        self.feature = Some(Heard { step, sequence, attended: feature.attended(), degree: feature.degree(), values });
         Answer::Updated
     }
 
@@ -149,7 +150,7 @@ impl Entry {
     /// The feature, if it is young enough at `step`.
     pub(super) fn feature_at(&self, step: u32, width: usize) -> Option<NeighbourFeature<'_>> {
         let f = self.feature.as_ref().filter(|f| age(step, f.step, 1) == Age::Usable)?;
-        Some(NeighbourFeature { id: self.id, degree: f.degree, scalar: f.scalar, values: f.values.get(..width)? })
+        Some(NeighbourFeature { values: f.values.get(..width)?, degree: f.degree, attended: f.attended })
     }
 
     fn age_ms(&self, now: Moment) -> i32 {
