@@ -1,0 +1,95 @@
+//! A small actor with pseudo-random weights, for tests. It flies nowhere in particular.
+
+use firmware_core::action::ACTIONS;
+use firmware_core::actor::file::Body;
+use firmware_core::actor::layer::Layer;
+use firmware_core::actor::{
+    Actor, Aggregation, Dimensions, Logits, NeighbourFeature, Provenance, SELF_TESTS, write_self_test,
+};
+use firmware_core::observation::{LEN, Observation};
+
+/// splitmix64: tests need no better, and nothing else that could change under them.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 32) as u32
+    }
+
+    fn byte(&mut self) -> i8 {
+        (self.next() >> 24) as i8
+    }
+}
+
+const DIMENSIONS: Dimensions =
+    Dimensions { observation: LEN as u16, hidden: 24, feature: 16, head: 24, actions: ACTIONS as u16 };
+
+/// One self-test vector with the logits that `logits` gives.
+fn vector(
+    random: &mut Random,
+    logits: impl Fn(&Observation, u8, &[NeighbourFeature<'_>]) -> Logits,
+    neighbours: usize,
+) -> Vec<u8> {
+    let observation: Observation = core::array::from_fn(|_| random.byte().max(-127));
+    let heads: Vec<(u8, i16)> =
+        (0..neighbours).map(|_| (1 + (random.next() % 17) as u8, i16::from(random.byte()) * 16)).collect();
+    let values: Vec<[i8; DIMENSIONS.feature as usize]> =
+        heads.iter().map(|_| core::array::from_fn(|_| random.byte() & 127)).collect();
+    let neighbours: Vec<_> = heads
+        .iter()
+        .zip(&values)
+        .map(|(&(degree, attended), values)| NeighbourFeature { values, degree, attended })
+        .collect();
+    let degree = neighbours.len() as u8 + 1;
+    let mut out = [0; 1024];
+    let n = write_self_test(&mut out, &observation, degree, &neighbours, &logits(&observation, degree, &neighbours));
+    out[..n.unwrap()].to_vec()
+}
+
+/// An actor file of this kind; another seed is another policy.
+pub fn sample_actor(aggregation: Aggregation, seed: u64) -> Vec<u8> {
+    let mut random = Random(seed);
+    let (mut weights, mut tables) = (Vec::new(), Vec::new());
+    for (rows, columns) in DIMENSIONS.layers(aggregation) {
+        weights.extend((0..Layer::weight_bytes(rows, columns)).map(|_| random.byte() as u8));
+        // Multipliers bring a typical sum back into the range of int8.
+        tables.extend((0..rows).flat_map(|_| (i32::from(random.byte()) * 8).to_le_bytes()));
+        tables.extend((0..rows).flat_map(|_| (4_000_000 + i32::from(random.byte()) * 8192).to_le_bytes()));
+    }
+    let mut body = Body {
+        align: &[],
+        weights: &weights,
+        tables: &tables,
+        observation: firmware_core::observation::ID,
+        aggregation,
+        dimensions: DIMENSIONS,
+        tie_period: 4,
+        aggregate_multiplier: if aggregation == Aggregation::None { 0 } else { 1 << 17 },
+        provenance: Provenance { trainer: "tests", scenario: "none", seed, ..Provenance::default() },
+        self_tests: &[],
+        content_hash: 0,
+    };
+    // Twice: the logits come from the actor itself, which first has to load.
+    let vectors = |actor: Option<&Actor<'_>>| -> Vec<u8> {
+        let mut random = Random(!seed);
+        let logits = |o: &Observation, degree: u8, neighbours: &[NeighbourFeature<'_>]| {
+            actor.map_or([0; ACTIONS], |a| a.logits(&a.encode(o), degree, neighbours.iter().copied()))
+        };
+        (0..SELF_TESTS).flat_map(|k| vector(&mut random, logits, 2 * k)).collect()
+    };
+    let store = |body: &Body<'_>| {
+        let mut file = vec![0; 32_768];
+        let n = body.store(&mut file).unwrap();
+        file.truncate(n);
+        file
+    };
+    let blank = vectors(None);
+    body.self_tests = &blank;
+    let draft = store(&body);
+    let known = vectors(Some(&Actor::load(&draft).unwrap()));
+    body.self_tests = &known;
+    store(&body)
+}

@@ -1,0 +1,86 @@
+//! The committed sample actors still read and still compute the same, and damaged files
+//! are refused.
+
+mod common;
+
+use common::sample_actor;
+use firmware_core::actor::{Actor, Aggregation, LoadError, argmax, signature};
+use proptest::prelude::*;
+
+const KINDS: [(Aggregation, &str); 3] =
+    [(Aggregation::None, "sample-none"), (Aggregation::Gcn, "sample-gcn"), (Aggregation::Gat, "sample-gat")];
+
+fn path(name: &str) -> String {
+    format!("{}/tests/data/{name}.actor", env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Seeds tell the kinds apart.
+fn made(aggregation: Aggregation) -> Vec<u8> {
+    sample_actor(aggregation, 1 + aggregation as u64)
+}
+
+/// `COVEY_BLESS=1` writes the files anew, after a deliberate change of the format.
+#[test]
+fn the_committed_files_are_what_this_code_writes() {
+    for (aggregation, name) in KINDS {
+        let file = made(aggregation);
+        if std::env::var_os("COVEY_BLESS").is_some() {
+            std::fs::write(path(name), &file).unwrap();
+        }
+        assert!(std::fs::read(path(name)).unwrap() == file, "{name} differs");
+    }
+}
+
+#[test]
+fn samples_pass_their_self_test_and_differ() {
+    let signatures: Vec<u64> = KINDS
+        .iter()
+        .map(|&(aggregation, _)| {
+            let file = made(aggregation);
+            let actor = Actor::load(&file).unwrap();
+            actor.self_test().unwrap();
+            signature(&actor, 50)
+        })
+        .collect();
+    assert!(signatures[0] != signatures[1] && signatures[1] != signatures[2]);
+}
+
+#[test]
+fn samples_are_no_dead_networks() {
+    for (aggregation, _) in KINDS {
+        let file = made(aggregation);
+        let actor = Actor::load(&file).unwrap();
+        let mut features = Vec::new();
+        let mut actions = Vec::new();
+        for k in 0..64u8 {
+            let own = actor.encode(&core::array::from_fn(|i| ((i as u8).wrapping_mul(k) as i8).max(-127)));
+            features.push(own.values);
+            actions.push(argmax(&actor.logits(&own, 1, [])).index());
+        }
+        features.sort_unstable();
+        features.dedup();
+        actions.sort_unstable();
+        actions.dedup();
+        assert!(features.len() > 32 && actions.len() > 2, "{aggregation:?} {actions:?}");
+    }
+}
+
+#[test]
+fn every_cut_and_addition_is_refused() {
+    let mut file = made(Aggregation::Gat);
+    for len in 0..file.len() {
+        assert!(matches!(Actor::load(&file[..len]), Err(LoadError::Truncated { .. })), "{len}");
+    }
+    file.push(0);
+    assert_eq!(Actor::load(&file).err(), Some(LoadError::Extended { extra: 1 }));
+}
+
+proptest! {
+    #[test]
+    fn every_flipped_bit_is_found(at in any::<prop::sample::Index>(), bit in 0..8u8) {
+        let mut file = made(Aggregation::Gcn);
+        let at = at.index(file.len());
+        file[at] ^= 1 << bit;
+        prop_assert!(Actor::load(&file).is_err());
+    }
+}
