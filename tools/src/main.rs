@@ -1,2 +1,37 @@
-//! Placeholder.
-fn main() {}
+//! `cargo xtask`: set-up and the whole test run of Covey.
+
+mod command;
+mod error;
+mod setup;
+mod test;
+mod workspace;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+/// Set-up and tests of Covey.
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", version)]
+enum Xtask {
+    /// Install what the tests and the target builds need (Debian and its kin).
+    Setup(setup::Args),
+    /// Run every check and test, after setting up what they need.
+    Test(test::Args),
+}
+
+fn main() -> ExitCode {
+    let done = match Xtask::parse() {
+        Xtask::Setup(args) => setup::main(&args),
+        Xtask::Test(args) => test::main(&args),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        // The account of a test run ends with its count, so nothing follows it.
+        Err(error::Error::Reported) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}

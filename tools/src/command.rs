@@ -1,0 +1,168 @@
+//! Running other programs, and saying exactly what was run.
+
+use std::ffi::OsStr;
+use std::fmt;
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::path::PathBuf;
+use std::process::{Command, ExitStatus, Stdio};
+
+use crate::error::{Error, Result};
+use crate::workspace;
+
+/// A command that starts in the workspace root unless told otherwise, and prints as one would type it.
+#[derive(Clone, Debug)]
+pub struct Cmd {
+    program: String,
+    args: Vec<String>,
+    env: Vec<(String, String)>,
+    folder: PathBuf,
+}
+
+impl Cmd {
+    /// A command without arguments.
+    pub fn new(program: impl AsRef<OsStr>) -> Self {
+        Self {
+            program: program.as_ref().to_string_lossy().into_owned(),
+            args: Vec::new(),
+            env: Vec::new(),
+            folder: workspace::root(),
+        }
+    }
+
+    /// The cargo that runs us.
+    pub fn cargo() -> Self {
+        Self::new("cargo")
+    }
+
+    /// Adds arguments.
+    #[must_use]
+    pub fn args<S: AsRef<OsStr>>(mut self, args: impl IntoIterator<Item = S>) -> Self {
+        self.args.extend(args.into_iter().map(|arg| arg.as_ref().to_string_lossy().into_owned()));
+        self
+    }
+
+    /// Adds one argument.
+    #[must_use]
+    pub fn arg(self, arg: impl AsRef<OsStr>) -> Self {
+        self.args([arg])
+    }
+
+    /// Sets an environment variable.
+    #[must_use]
+    pub fn env(mut self, name: &str, value: impl AsRef<OsStr>) -> Self {
+        self.env.push((name.into(), value.as_ref().to_string_lossy().into_owned()));
+        self
+    }
+
+    /// The same as root: through sudo, unless we are root already.
+    #[must_use]
+    pub fn into_root(mut self) -> Self {
+        // env carries the variables across, because sudo clears the environment.
+        let mut args = vec!["env".to_owned()];
+        args.extend(self.env.drain(..).map(|(name, value)| format!("{name}={value}")));
+        args.push(std::mem::replace(&mut self.program, "sudo".into()));
+        args.append(&mut self.args);
+        self.args = args;
+        self
+    }
+
+    fn build(&self) -> Command {
+        let mut command = Command::new(&self.program);
+        command.args(&self.args).current_dir(&self.folder).stdin(Stdio::null());
+        command.envs(self.env.iter().map(|(name, value)| (name, value)));
+        command
+    }
+
+    /// Runs it quietly and returns its standard output.
+    ///
+    /// # Errors
+    /// It cannot be started, or it ends badly: then its error output is in the message.
+    pub fn read(&self) -> Result<String> {
+        let output = self.build().output().map_err(self.start_error())?;
+        self.check(output.status, &String::from_utf8_lossy(&output.stderr))?;
+        Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+    }
+
+    /// Runs it quietly: did it succeed?
+    pub fn succeeds(&self) -> bool {
+        self.build().output().is_ok_and(|output| output.status.success())
+    }
+
+    /// Runs it on this terminal and also hands each line of its standard output to `look`.
+    ///
+    /// # Errors
+    /// It cannot be started, or it ends badly.
+    pub fn run_watched(&self, mut look: impl FnMut(&str)) -> Result<()> {
+        let mut child = self.build().stdout(Stdio::piped()).spawn().map_err(self.start_error())?;
+        if let Some(stdout) = child.stdout.take() {
+            let mut terminal = std::io::stdout().lock();
+            // Tests may print any bytes, so lines are not assumed to be UTF-8.
+            for line in BufReader::new(stdout).split(b'\n').map_while(std::result::Result::ok) {
+                look(&String::from_utf8_lossy(&line));
+                // A closed pipe on our side must not stop the tests.
+                let _ = terminal.write_all(&line).and_then(|()| terminal.write_all(b"\n"));
+                let _ = terminal.flush();
+            }
+        }
+        let status = child.wait().map_err(self.start_error())?;
+        self.check(status, "")
+    }
+
+    fn start_error(&self) -> impl FnOnce(std::io::Error) -> Error {
+        let command = self.to_string();
+        move |source| Error::Start { command, source }
+    }
+
+    fn check(&self, status: ExitStatus, stderr: &str) -> Result<()> {
+        if status.success() {
+            return Ok(());
+        }
+        let output = if stderr.trim().is_empty() { String::new() } else { format!("\n{}", stderr.trim_end()) };
+        Err(Error::Failed { command: self.to_string(), status: status.to_string(), output })
+    }
+}
+
+impl fmt::Display for Cmd {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (name, value) in &self.env {
+            write!(f, "{name}={} ", quoted(value))?;
+        }
+        f.write_str(&quoted(&self.program))?;
+        for arg in &self.args {
+            write!(f, " {}", quoted(arg))?;
+        }
+        Ok(())
+    }
+}
+
+/// Quotes `text` for a POSIX shell where it must be.
+fn quoted(text: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_=+./:,@%".contains(c);
+    if !text.is_empty() && text.chars().all(plain) { text.into() } else { format!("'{}'", text.replace('\'', r"'\''")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_prints_as_one_would_type_it() {
+        let command = Cmd::new("tool").args(["--name", "two words", "it's"]).env("FLAGS", "-D warnings");
+        assert_eq!(command.to_string(), r"FLAGS='-D warnings' tool --name 'two words' 'it'\''s'");
+    }
+
+    #[test]
+    fn a_command_as_root_keeps_its_variables() {
+        let command = Cmd::new("tool").arg("x").env("A", "1").into_root();
+        assert_eq!(command.to_string(), "sudo env A=1 tool x");
+    }
+
+    #[test]
+    fn watched_lines_are_those_of_the_standard_output() {
+        let mut lines = Vec::new();
+        let done =
+            Cmd::new("sh").args(["-c", "echo one; echo two; exit 3"]).run_watched(|line| lines.push(line.to_owned()));
+        assert_eq!(lines, ["one", "two"]);
+        assert!(matches!(done, Err(Error::Failed { .. })));
+    }
+}

@@ -1,0 +1,65 @@
+//! What can go wrong in `cargo xtask`; each message says what to do next.
+
+use std::io;
+
+/// The result of a task.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Why a task did not succeed.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A program could not be started.
+    #[error("cannot start `{command}`: {source}")]
+    Start {
+        /// The whole command, as one would type it.
+        command: String,
+        /// The operating system's word.
+        source: io::Error,
+    },
+    /// A program ended badly.
+    #[error("failed ({status}): {command}{output}")]
+    Failed {
+        /// The whole command, as one would type it.
+        command: String,
+        /// Its exit status.
+        status: String,
+        /// Its captured error output with a leading line break, or nothing where it went to the terminal.
+        output: String,
+    },
+    /// Packages are missing and only root may install them.
+    #[error("installing packages needs root and sudo would ask for a password; run this, then try again:\n  {command}")]
+    NeedsRoot {
+        /// What the user should run.
+        command: String,
+    },
+    /// The machine has no apt-get.
+    #[error(
+        "this machine has no apt-get; install what these Debian packages hold with its own package manager, then try again:\n  {packages}"
+    )]
+    NotDebian {
+        /// The Debian packages, separated by spaces.
+        packages: String,
+    },
+    /// `setup --check` found something missing.
+    #[error("missing: {names}; `cargo xtask setup` installs it")]
+    Missing {
+        /// Names of the missing items.
+        names: String,
+    },
+    /// An unknown name on the command line.
+    #[error("there is no {kind} `{name}`; known: {known}")]
+    Unknown {
+        /// What kind of thing was named.
+        kind: &'static str,
+        /// The name as given.
+        name: String,
+        /// All valid names.
+        known: String,
+    },
+    /// Something was installed but still does not work.
+    #[error("{0}")]
+    Setup(String),
+    /// A failure whose full account stands on the terminal already.
+    #[error("failed, see above")]
+    Reported,
+}

@@ -1,0 +1,65 @@
+//! `cargo xtask setup`: everything the tests and the target builds need beyond rustup and a C compiler.
+
+mod apt;
+mod item;
+
+pub use item::Item;
+
+use crate::error::{Error, Result};
+
+/// Options of `cargo xtask setup`.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Only report what is missing; exit with an error when something is.
+    #[arg(long)]
+    check: bool,
+    /// Only these items; all when none is named.
+    #[arg(value_enum)]
+    items: Vec<Item>,
+}
+
+/// Installs what is missing, or with `--check` only reports it.
+///
+/// # Errors
+/// Something is missing and cannot be installed, or may not be (`--check`).
+pub fn main(args: &Args) -> Result<()> {
+    let items = if args.items.is_empty() { Item::ALL } else { &args.items };
+    if !args.check {
+        return install(items);
+    }
+    for &item in items {
+        println!("{} {:<14} {}", if item.is_present() { "ok     " } else { "missing" }, item.name(), item.purpose());
+    }
+    let names: Vec<_> = items.iter().filter(|item| !item.is_present()).map(|item| item.name()).collect();
+    if names.is_empty() { Ok(()) } else { Err(Error::Missing { names: names.join(", ") }) }
+}
+
+/// Installs those of `items` that are missing, and says so briefly when none is.
+///
+/// # Errors
+/// A package cannot be installed, or an item is still missing afterwards.
+pub fn install(items: &[Item]) -> Result<()> {
+    let missing: Vec<Item> = items.iter().copied().filter(|item| !item.is_present()).collect();
+    if missing.is_empty() {
+        println!("setup: all {} items are there, nothing to do", items.len());
+        return Ok(());
+    }
+    for item in &missing {
+        println!("setup: {} is missing ({})", item.name(), item.purpose());
+    }
+    let packages: Vec<&str> = missing.iter().flat_map(|item| item.packages()).copied().collect();
+    if !packages.is_empty() {
+        apt::install(&packages)?;
+    }
+    for item in &missing {
+        if !item.is_present() {
+            return Err(Error::Setup(format!(
+                "{} is still missing after `{}` were installed",
+                item.name(),
+                item.packages().join(" ")
+            )));
+        }
+        println!("setup: {} is ready", item.name());
+    }
+    Ok(())
+}

@@ -1,0 +1,92 @@
+//! `cargo xtask test`: every check and test, with a summary at the end.
+
+mod step;
+mod tally;
+
+use std::time::{Duration, Instant};
+
+use crate::error::{Error, Result};
+use crate::setup::{self, Item};
+use step::{STEPS, Step};
+use tally::Tally;
+
+/// Options of `cargo xtask test`.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Run only this step; may be given more than once.
+    #[arg(long, value_name = "STEP")]
+    only: Vec<String>,
+    /// List the steps and their commands.
+    #[arg(long)]
+    list: bool,
+}
+
+/// How a step went.
+struct Outcome {
+    name: &'static str,
+    took: Duration,
+    error: Option<Error>,
+}
+
+/// Runs the steps one after the other; a failure does not keep the later ones from running.
+///
+/// # Errors
+/// A step is unknown, or at least one failed.
+pub fn main(args: &Args) -> Result<()> {
+    let steps = select(&args.only)?;
+    if args.list {
+        for step in steps {
+            println!("{:<12} {}", step.name, step.command());
+        }
+        return Ok(());
+    }
+
+    let mut needs: Vec<Item> = Vec::new();
+    for need in steps.iter().flat_map(|step| step.needs) {
+        if !needs.contains(need) {
+            needs.push(*need);
+        }
+    }
+    let mut tally = Tally::default();
+    let mut outcomes = Vec::new();
+    if !needs.is_empty() {
+        outcomes.push(timed("setup", || setup::install(&needs)));
+    }
+    for step in steps {
+        println!("\n== {}: {}", step.name, step.command());
+        outcomes.push(timed(step.name, || step.run(&mut tally)));
+    }
+    summarise(&outcomes, &tally)
+}
+
+fn select(only: &[String]) -> Result<Vec<&'static Step>> {
+    if let Some(name) = only.iter().find(|name| STEPS.iter().all(|step| step.name != **name)) {
+        let known: Vec<_> = STEPS.iter().map(|step| step.name).collect();
+        return Err(Error::Unknown { kind: "step", name: name.clone(), known: known.join(", ") });
+    }
+    Ok(STEPS.iter().filter(|step| only.is_empty() || only.iter().any(|name| name == step.name)).collect())
+}
+
+fn timed(name: &'static str, action: impl FnOnce() -> Result<()>) -> Outcome {
+    let start = Instant::now();
+    let error = action().err();
+    if let Some(error) = &error {
+        println!("{name}: {error}");
+    }
+    Outcome { name, took: start.elapsed(), error }
+}
+
+/// Prints one line a step, then the commands that failed, and last the count of tests.
+fn summarise(outcomes: &[Outcome], tally: &Tally) -> Result<()> {
+    println!("\n== summary");
+    for outcome in outcomes {
+        let word = if outcome.error.is_some() { "FAILED" } else { "ok" };
+        println!("{:<12} {word:<6} {:>5} s", outcome.name, outcome.took.as_secs());
+    }
+    let failed: Vec<_> = outcomes.iter().filter_map(|outcome| Some((outcome.name, outcome.error.as_ref()?))).collect();
+    for (name, error) in &failed {
+        println!("{name}: {error}\n  again alone: cargo xtask test --only {name}");
+    }
+    println!("{}", tally.closing_line(failed.len()));
+    if failed.is_empty() { Ok(()) } else { Err(Error::Reported) }
+}
