@@ -17,9 +17,10 @@ pub mod random;
 mod scenario;
 mod score;
 mod sight;
+mod view;
 mod world;
 
 pub use metrics::EpisodeMetrics;
 pub use scenario::{Law, Scenario, ScenarioError};
-pub use sight::Links;
+pub use sight::{Links, Observer};
 pub use world::{LayoutError, World};

@@ -1,6 +1,6 @@
 //! What a world is made of.
 
-use firmware_core::geometry::MAP_SIDE_U;
+use firmware_core::geometry::{MAP_SIDE_U, TICKS_PER_U};
 use serde::{Deserialize, Serialize};
 
 /// How PoIs are scattered at reset.
@@ -64,6 +64,12 @@ impl Scenario {
     pub const MIN_SIDE_U: f32 = 20.0;
     /// Largest side of a map, u: positions still resolve to a thousandth of a unit.
     pub const MAX_SIDE_U: f32 = 16_384.0;
+
+    /// Half the side of the map, ticks: what the observation scales positions by.
+    #[must_use]
+    pub fn half_side_ticks(&self) -> i32 {
+        (self.side_u * (TICKS_PER_U as f32 / 2.0)) as i32
+    }
 
     /// Checks every size.
     ///

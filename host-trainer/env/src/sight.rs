@@ -1,7 +1,7 @@
 //! What each UAV sees: the board's own observation.
 
 use crate::world::World;
-use firmware_core::geometry::{COMMUNICATION_RANGE_U, OBSERVATION_RANGE_U, State, TICKS_PER_U, Vec2};
+use firmware_core::geometry::{COMMUNICATION_RANGE_U, OBSERVATION_RANGE_U, State, Vec2};
 use firmware_core::observation::{MAX_NEIGHBOURS, Neighbour, Neighbours, Observation, Scene, observe};
 use firmware_core::random::tie_breaker;
 
@@ -30,44 +30,62 @@ pub(crate) struct Beacon {
     tie: i8,
 }
 
-impl World {
+/// Builds the observations of a world, with the tie-breakers of one policy seed.
+#[derive(Clone, Debug)]
+pub struct Observer {
+    policy_seed: u64,
+    tie_period: u32,
+    /// Of the present state, one a UAV.
+    beacons: Vec<Beacon>,
+}
+
+impl Observer {
+    /// Tie-breakers are drawn from `policy_seed` anew every `tie_period` steps (0
+    /// counts as 1), as on board.
+    #[must_use]
+    pub fn new(policy_seed: u64, tie_period: u32) -> Self {
+        Self { policy_seed, tie_period, beacons: Vec::new() }
+    }
+
     /// Writes the observation and the kept neighbours of every UAV in the present
     /// state. Positions are rounded to ticks first, as on board; ids are the UAVs'
-    /// indices and the step is [`World::steps_done`]. Tie-breakers are drawn from
-    /// `policy_seed` anew every `tie_period` steps.
+    /// indices and the step is [`World::steps_done`].
     ///
     /// # Panics
     /// When `out` or `links` has not one entry a UAV.
-    pub fn observe(&mut self, policy_seed: u64, tie_period: u32, out: &mut [Observation], links: &mut [Links]) {
-        let n = self.scenario().uavs;
-        assert!(out.len() == n && links.len() == n, "observe: one observation and one Links for each of {n} UAVs");
-        self.fill_beacons(policy_seed, tie_period);
-        let half_side = (self.scenario().side_u * (TICKS_PER_U as f32 / 2.0)) as i32;
+    pub fn observe(&mut self, world: &World, out: &mut [Observation], links: &mut [Links]) {
+        let uavs = world.scenario().uavs;
+        assert!(out.len() == uavs && links.len() == uavs, "observe: one observation and one Links for each UAV");
+        self.fill_beacons(world);
+        let half_side = world.scenario().half_side_ticks();
         let mut neighbours = Neighbours::new();
         for (i, (out, links)) in out.iter_mut().zip(links).enumerate() {
-            self.find_neighbours(i, &mut neighbours);
+            self.find_neighbours(world, i, &mut neighbours);
             *links = links_to(&neighbours);
             let own = self.beacons[i];
             let scene = Scene { id: i as u16, own: own.state, tie: own.tie, half_side, neighbours: &neighbours };
-            let in_cells = self.poi_cells.around(self.x[i], self.y[i], OBSERVATION_RANGE_U as f32);
-            *out = observe(&scene, in_cells.flat_map(|run| &self.poi_ticks[run]).copied());
+            let in_cells = world.poi_cells.around(world.x[i], world.y[i], OBSERVATION_RANGE_U as f32);
+            *out = observe(&scene, in_cells.flat_map(|run| &world.poi_ticks[run]).copied());
         }
     }
 
-    fn fill_beacons(&mut self, policy_seed: u64, tie_period: u32) {
-        let step = self.steps_done();
-        for i in 0..self.beacons.len() {
-            let state =
-                State { position: Vec2::from_u(self.x[i], self.y[i]), velocity: Vec2::from_u(self.vx[i], self.vy[i]) };
-            self.beacons[i] = Beacon { state, tie: tie_breaker(policy_seed, i as u16, step, tie_period) };
-        }
+    fn fill_beacons(&mut self, world: &World) {
+        let step = world.steps_done();
+        self.beacons.clear();
+        self.beacons.extend((0..world.x.len()).map(|i| Beacon {
+            state: State {
+                position: Vec2::from_u(world.x[i], world.y[i]),
+                velocity: Vec2::from_u(world.vx[i], world.vy[i]),
+            },
+            tie: tie_breaker(self.policy_seed, i as u16, step, self.tie_period),
+        }));
     }
 
-    fn find_neighbours(&self, i: usize, neighbours: &mut Neighbours) {
+    fn find_neighbours(&self, world: &World, i: usize, neighbours: &mut Neighbours) {
         neighbours.clear();
         let own = self.beacons[i].state.position;
-        for run in self.uav_cells.around(self.x[i], self.y[i], COMMUNICATION_RANGE_U as f32) {
-            for &j in &self.uav_cells.points()[run] {
+        for run in world.uav_cells.around(world.x[i], world.y[i], COMMUNICATION_RANGE_U as f32) {
+            for &j in &world.uav_cells.points()[run] {
                 if j as usize == i {
                     continue;
                 }
@@ -86,4 +104,59 @@ fn links_to(neighbours: &Neighbours) -> Links {
         links.count += 1;
     }
     links
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::Scenario;
+    use proptest::prelude::*;
+
+    /// Everything about every UAV and PoI, without cells.
+    fn naive(world: &World, policy_seed: u64, tie_period: u32) -> Vec<(Observation, Links)> {
+        let n = world.scenario().uavs;
+        let ticks = |i| Vec2::from_u(world.x()[i], world.y()[i]);
+        let velocity = |i| Vec2::from_u(world.vx()[i], world.vy()[i]);
+        let tie = |i| tie_breaker(policy_seed, i as u16, world.steps_done(), tie_period);
+        let pois = || world.poi_x().iter().zip(world.poi_y()).map(|(&x, &y)| Vec2::from_u(x, y));
+        let view = |i: usize| {
+            let mut neighbours = Neighbours::new();
+            for j in (0..n).filter(|&j| j != i) {
+                let offset = ticks(j) - ticks(i);
+                neighbours.offer(Neighbour { id: j as u16, offset, velocity: velocity(j), tie: tie(j) });
+            }
+            let own = State { position: ticks(i), velocity: velocity(i) };
+            let half_side = world.scenario().half_side_ticks();
+            let scene = Scene { id: i as u16, own, tie: tie(i), half_side, neighbours: &neighbours };
+            (observe(&scene, pois()), links_to(&neighbours))
+        };
+        (0..n).map(view).collect()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(40))]
+        #[test]
+        fn cells_show_each_uav_all_that_is_in_range(
+            uavs in 1usize..60,
+            pois in 1usize..200,
+            side_u in 20.0f32..300.0,
+            index in 0u64..1000,
+            policy_seed: u64,
+            tie_period in 0u32..5,
+        ) {
+            use firmware_core::action::Action;
+            let scenario = Scenario { uavs, pois, side_u, ..Scenario::default() };
+            let mut world = World::new(&scenario).unwrap();
+            world.reset(7, index);
+            for step in 0..3 {
+                let mut out = vec![[0; firmware_core::observation::LEN]; uavs];
+                let mut links = vec![Links::default(); uavs];
+                Observer::new(policy_seed, tie_period).observe(&world, &mut out, &mut links);
+                let got: Vec<_> = out.into_iter().zip(links).collect();
+                prop_assert_eq!(got, naive(&world, policy_seed, tie_period));
+                let actions: Vec<_> = (0..uavs).map(|i| Action::new(((i * 5 + step) % 17) as u8).unwrap()).collect();
+                world.step(&actions);
+            }
+        }
+    }
 }

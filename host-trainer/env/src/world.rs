@@ -3,40 +3,38 @@
 use crate::grid::CellGrid;
 use crate::groups::Groups;
 use crate::layout;
-use crate::metrics::{EpisodeMetrics, Totals};
+use crate::metrics::Totals;
 use crate::scenario::{Scenario, ScenarioError};
 use crate::score::{Scene, Score};
-use crate::sight::Beacon;
 use firmware_core::action::Action;
 use firmware_core::geometry::{COMMUNICATION_RANGE_U, OBSERVATION_RANGE_U, Vec2};
 
 /// A map with its UAVs and PoIs. All slices have one entry a UAV (or a PoI where the
-/// name says so), in the order of their ids. After the first episode neither
-/// [`World::step`] nor [`World::observe`] allocates.
+/// name says so), in the order of their ids. Once warm, a step
+/// allocates nothing.
 #[derive(Clone, Debug)]
 pub struct World {
-    scenario: Scenario,
-    steps_done: u32,
+    pub(crate) scenario: Scenario,
+    pub(crate) steps_done: u32,
     pub(crate) x: Vec<f32>,
     pub(crate) y: Vec<f32>,
     pub(crate) vx: Vec<f32>,
     pub(crate) vy: Vec<f32>,
-    poi_x: Vec<f32>,
-    poi_y: Vec<f32>,
+    pub(crate) poi_x: Vec<f32>,
+    pub(crate) poi_y: Vec<f32>,
     pub(crate) uav_cells: CellGrid,
     pub(crate) poi_cells: CellGrid,
     /// PoIs by slot of `poi_cells`.
-    slot_x: Vec<f32>,
-    slot_y: Vec<f32>,
+    pub(crate) slot_x: Vec<f32>,
+    pub(crate) slot_y: Vec<f32>,
     pub(crate) poi_ticks: Vec<Vec2>,
-    pub(crate) beacons: Vec<Beacon>,
     /// Neighbours of all UAVs, one after another, and where each one's begin.
-    linked: Vec<u16>,
-    linked_from: Vec<u32>,
-    degree: Vec<u32>,
-    groups: Groups,
-    score: Score,
-    totals: Totals,
+    pub(crate) linked: Vec<u16>,
+    pub(crate) linked_from: Vec<u32>,
+    pub(crate) degree: Vec<u32>,
+    pub(crate) groups: Groups,
+    pub(crate) score: Score,
+    pub(crate) totals: Totals,
 }
 
 /// A layout that does not fit its world.
@@ -96,7 +94,6 @@ impl World {
             slot_x: vec![0.0; p],
             slot_y: vec![0.0; p],
             poi_ticks: vec![Vec2::default(); p],
-            beacons: vec![Beacon::default(); n],
             linked: Vec::new(),
             linked_from: Vec::with_capacity(n + 1),
             degree: vec![0; n],
@@ -230,159 +227,5 @@ impl World {
         }
         self.linked_from.push(self.linked.len() as u32);
         self.groups.settle();
-    }
-
-    /// The scenario.
-    #[must_use]
-    pub fn scenario(&self) -> &Scenario {
-        &self.scenario
-    }
-
-    /// Steps made in this episode.
-    #[must_use]
-    pub fn steps_done(&self) -> u32 {
-        self.steps_done
-    }
-
-    /// Whether the episode has run its length. It ends by truncation: the state is
-    /// not terminal.
-    #[must_use]
-    pub fn done(&self) -> bool {
-        self.steps_done >= self.scenario.steps
-    }
-
-    /// East positions, u.
-    #[must_use]
-    pub fn x(&self) -> &[f32] {
-        &self.x
-    }
-
-    /// North positions, u.
-    #[must_use]
-    pub fn y(&self) -> &[f32] {
-        &self.y
-    }
-
-    /// East velocities, u/step.
-    #[must_use]
-    pub fn vx(&self) -> &[f32] {
-        &self.vx
-    }
-
-    /// North velocities, u/step.
-    #[must_use]
-    pub fn vy(&self) -> &[f32] {
-        &self.vy
-    }
-
-    /// Position of UAV `i`, u.
-    ///
-    /// # Panics
-    /// When there is no UAV `i`.
-    #[must_use]
-    pub fn position(&self, i: usize) -> (f32, f32) {
-        (self.x[i], self.y[i])
-    }
-
-    /// Velocity of UAV `i`, u/step.
-    ///
-    /// # Panics
-    /// When there is no UAV `i`.
-    #[must_use]
-    pub fn velocity(&self, i: usize) -> (f32, f32) {
-        (self.vx[i], self.vy[i])
-    }
-
-    /// East positions of the PoIs, u.
-    #[must_use]
-    pub fn poi_x(&self) -> &[f32] {
-        &self.poi_x
-    }
-
-    /// North positions of the PoIs, u.
-    #[must_use]
-    pub fn poi_y(&self) -> &[f32] {
-        &self.poi_y
-    }
-
-    /// PoIs within `range_u` of a place, in no particular order (but always the same).
-    pub fn pois_within(&self, x: f32, y: f32, range_u: f32) -> impl Iterator<Item = usize> + '_ {
-        self.poi_cells.around(x, y, range_u).flatten().filter_map(move |slot| {
-            let (dx, dy) = (self.slot_x[slot] - x, self.slot_y[slot] - y);
-            (dx * dx + dy * dy <= range_u * range_u).then(|| self.poi_cells.points()[slot] as usize)
-        })
-    }
-
-    /// Rewards of the last step. Before the first, what the spawn state would pay.
-    #[must_use]
-    pub fn rewards(&self) -> &[f32] {
-        &self.score.reward
-    }
-
-    /// PoIs that the UAV alone covers in its group.
-    #[must_use]
-    pub fn individual(&self) -> &[u32] {
-        &self.score.individual
-    }
-
-    /// PoIs that the UAV's group covers.
-    #[must_use]
-    pub fn group(&self) -> &[u32] {
-        &self.score.group
-    }
-
-    /// UAVs in the UAV's group, itself included.
-    #[must_use]
-    pub fn group_size(&self) -> &[u32] {
-        &self.score.group_size
-    }
-
-    /// UAVs in communication range, without itself.
-    #[must_use]
-    pub fn degree(&self) -> &[u32] {
-        &self.degree
-    }
-
-    /// UAVs in communication range of UAV `i`, in no particular order (but always the
-    /// same).
-    ///
-    /// # Panics
-    /// When there is no UAV `i`.
-    #[must_use]
-    pub fn neighbours(&self, i: usize) -> &[u16] {
-        &self.linked[self.linked_from[i] as usize..self.linked_from[i + 1] as usize]
-    }
-
-    /// Whether the UAV is within 5 u of the edge.
-    #[must_use]
-    pub fn near_border(&self) -> &[bool] {
-        &self.score.near_border
-    }
-
-    /// Energy of the step, 0.5 (hovering) to 1 (full speed).
-    #[must_use]
-    pub fn energy(&self) -> &[f32] {
-        &self.score.energy
-    }
-
-    /// PoIs covered by any UAV.
-    #[must_use]
-    pub fn covered(&self) -> usize {
-        self.score.covered
-    }
-
-    /// Whether PoI `p` is covered by any UAV.
-    ///
-    /// # Panics
-    /// When there is no PoI `p`.
-    #[must_use]
-    pub fn poi_is_covered(&self, p: usize) -> bool {
-        self.score.is_covered(p)
-    }
-
-    /// Metrics of the steps made so far; all zero before the first.
-    #[must_use]
-    pub fn metrics(&self) -> EpisodeMetrics {
-        self.totals.metrics(&self.score)
     }
 }
