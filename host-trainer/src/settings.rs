@@ -114,6 +114,15 @@ macro_rules! settings {
                 }
             }
 
+            /// The first setting in which two differ: name, own value, other's value.
+            #[must_use]
+            pub fn first_difference(&self, other: &Self) -> Option<(String, String, String)> {
+                $(if self.$key != other.$key {
+                    return Some((stringify!($key).to_owned(), Value::show(&self.$key), Value::show(&other.$key)));
+                })*
+                None
+            }
+
             /// The settings as a commented TOML file.
             #[must_use]
             pub fn to_toml(&self) -> String {

@@ -5,7 +5,7 @@ use burn::tensor::module::linear;
 use burn::tensor::{Device, Tensor, TensorData};
 use covey_env::Links;
 use firmware_core::actor::Aggregation;
-use firmware_core::observation::LEN;
+use firmware_core::observation::{LEN, Observation};
 
 /// Slope of the attention's leaky ReLU below zero.
 const LEAKY_SLOPE: f64 = 0.2;
@@ -38,9 +38,15 @@ impl Batch {
             let weights = graph_weights(links, uavs, aggregation);
             Tensor::from_data(TensorData::new(weights, [world_steps, uavs, uavs]), device)
         });
-        let observations = Tensor::from_data(TensorData::new(observations, [links.len(), LEN]), device);
+        let observations = Tensor::from_data(TensorData::new(to_floats(observations), [links.len(), LEN]), device);
         Self { world_steps, uavs, observations, graph }
     }
+}
+
+/// Observations as the networks take them.
+fn to_floats(observations: &[Observation]) -> Vec<f32> {
+    const SCALE: f32 = 1.0 / 127.0;
+    observations.as_flattened().iter().map(|&o| f32::from(o) * SCALE).collect()
 }
 
 fn graph_weights(links: &[Links], uavs: usize, aggregation: Aggregation) -> Vec<f32> {
@@ -83,32 +89,62 @@ fn encode(x: Tensor<2>, t: &[Tensor<2>]) -> Tensor<2> {
     relu(dense(relu(dense(x, &t[0], &t[1])), &t[2], &t[3]))
 }
 
+/// Everything between observation and logits, `[B·N, …]` each.
+pub struct ActorPass {
+    /// First hidden layer.
+    pub hidden: Tensor<2>,
+    /// Feature `h`.
+    pub feature: Tensor<2>,
+    /// Neighbourhood's features combined, and the graph layer's output; none without
+    /// aggregation.
+    pub graph: Option<(Tensor<2>, Tensor<2>)>,
+    /// Hidden layer of the head.
+    pub head: Tensor<2>,
+    /// Logits, 17 wide.
+    pub logits: Tensor<2>,
+}
+
+/// The actor on a batch, in the order in which UAVs compute it: the features are
+/// combined first, then multiplied by `W`, which is the same as equations (5) and (7).
+#[must_use]
+pub fn actor_pass(actor: &ActorTensors<'_>, batch: &Batch) -> ActorPass {
+    let t = actor.t;
+    let hidden = relu(dense(batch.observations.clone(), &t[0], &t[1]));
+    let feature = relu(dense(hidden.clone(), &t[2], &t[3]));
+    let own = dense(feature.clone(), &t[4], &t[5]);
+    let graph = batch.graph.as_ref().map(|graph| {
+        let [n, width] = feature.dims();
+        let weights = match actor.aggregation {
+            Aggregation::Gat => attention(graph, &feature, t, batch),
+            _ => graph.clone(),
+        };
+        let each = feature.clone().reshape([batch.world_steps, batch.uavs, width]);
+        let combined = weights.matmul(each).reshape([n, width]);
+        let y = relu(dense(combined.clone(), &t[8], &t[9]));
+        (combined, y)
+    });
+    let joined = match &graph {
+        Some((_, y)) => own + y.clone().matmul(t[10].clone()),
+        None => own,
+    };
+    let head = relu(joined);
+    let logits = dense(head.clone(), &t[6], &t[7]);
+    ActorPass { hidden, feature, graph, head, logits }
+}
+
 /// Logits `[B·N, 17]` of a batch.
 #[must_use]
 pub fn actor_logits(actor: &ActorTensors<'_>, batch: &Batch) -> Tensor<2> {
-    let t = actor.t;
-    let h = encode(batch.observations.clone(), t);
-    let mut hidden = dense(h.clone(), &t[4], &t[5]);
-    if let Some(graph) = &batch.graph {
-        let [n, width] = h.dims();
-        let z = h.matmul(t[8].clone());
-        let z3 = z.clone().reshape([batch.world_steps, batch.uavs, width]);
-        let weights = match actor.aggregation {
-            Aggregation::Gat => attention(graph, z, &t[11], &t[12], batch),
-            _ => graph.clone(),
-        };
-        let y = relu(weights.matmul(z3).reshape([n, width]) + t[9].clone());
-        hidden = hidden + y.matmul(t[10].clone());
-    }
-    dense(relu(hidden), &t[6], &t[7])
+    actor_pass(actor, batch).logits
 }
 
 /// Attention weights of equation (6), `[B, N, N]`; `graph` masks what is not linked.
-fn attention(graph: &Tensor<3>, z: Tensor<2>, receiver: &Tensor<2>, sender: &Tensor<2>, batch: &Batch) -> Tensor<3> {
+/// `aᵀ[W h_i ‖ W h_j]` is `h_i·(W a₁) + h_j·(W a₂)`.
+fn attention(graph: &Tensor<3>, h: &Tensor<2>, t: &[Tensor<2>], batch: &Batch) -> Tensor<3> {
     let (b, n) = (batch.world_steps, batch.uavs);
-    let s = z.clone().matmul(receiver.clone()).reshape([b, n, 1]);
-    let t = z.matmul(sender.clone()).reshape([b, 1, n]);
-    softmax(leaky_relu(s + t, LEAKY_SLOPE) + graph.clone(), 2)
+    let half = |a: &Tensor<2>| h.clone().matmul(t[8].clone().matmul(a.clone()));
+    let (receiver, sender) = (half(&t[11]).reshape([b, n, 1]), half(&t[12]).reshape([b, 1, n]));
+    softmax(leaky_relu(receiver + sender, LEAKY_SLOPE) + graph.clone(), 2)
 }
 
 /// The critic's parameters as tensors, in layout order.

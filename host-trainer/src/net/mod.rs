@@ -7,7 +7,7 @@
 mod forward;
 mod init;
 
-pub use forward::{ActorTensors, Batch, CriticTensors, actor_logits, critic_values};
+pub use forward::{ActorPass, ActorTensors, Batch, CriticTensors, actor_logits, actor_pass, critic_values};
 pub use init::initialise;
 
 use burn::tensor::{Device, Gradients, Tensor, TensorData};

@@ -10,6 +10,7 @@ mod workers;
 
 pub use adam::Adam;
 pub use advantage::{ValueNorm, advantages};
-pub use shard::{floats, pick, to_floats};
+pub use ppo::log_softmax;
+pub use shard::{floats, pick};
 pub use trainer::{Row, State, Trainer};
 pub use workers::Workers;

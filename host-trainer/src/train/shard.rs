@@ -5,7 +5,7 @@ use super::ppo::log_softmax;
 use crate::net::{ActorTensors, Batch, CriticTensors, actor_logits, critic_values};
 use crate::settings::Settings;
 use burn::tensor::{Device, Tensor};
-use covey_env::{EpisodeMetrics, Links, World};
+use covey_env::{EpisodeMetrics, Links, Observer, World};
 use firmware_core::action::Action;
 use firmware_core::actor::Aggregation;
 use firmware_core::observation::{LEN, Observation};
@@ -16,6 +16,7 @@ use firmware_core::random::action_draw;
 pub struct Shard {
     worlds: Vec<World>,
     policy_seeds: Vec<u64>,
+    observers: Vec<Observer>,
     uavs: usize,
     steps: usize,
     /// Observations, one step more than the segment has: the last is what comes next.
@@ -63,6 +64,7 @@ impl Shard {
         Ok(Self {
             worlds: (0..count).map(|_| World::new(&s.world())).collect::<Result<_, _>>()?,
             policy_seeds: vec![0; count],
+            observers: vec![Observer::new(0, 1); count],
             uavs,
             steps,
             observations: vec![[0; LEN]; cells + row],
@@ -92,26 +94,26 @@ impl Shard {
             let episode = first + k as u64;
             world.reset(s.seed, episode);
             self.policy_seeds[k] = policy_seed(s.seed, episode);
+            self.observers[k] = Observer::new(self.policy_seeds[k], s.tie_period);
         }
         let at = self.steps * self.row();
-        self.observe(s, at);
+        self.observe(at);
     }
 
     /// Writes the present observations to `at`.
-    fn observe(&mut self, s: &Settings, at: usize) {
+    fn observe(&mut self, at: usize) {
         let n = self.uavs;
-        for (k, world) in self.worlds.iter_mut().enumerate() {
+        for (k, world) in self.worlds.iter().enumerate() {
             let place = at + k * n..at + (k + 1) * n;
             let (o, l) = (&mut self.observations[place.clone()], &mut self.links[place]);
-            world.observe(self.policy_seeds[k], s.tie_period, o, l);
+            self.observers[k].observe(world, o, l);
         }
     }
 
     /// A batch of the rows at `start..start + len`, for passes without gradients.
     fn batch(&self, start: usize, nets: &Nets<'_>) -> Batch {
         let end = start + self.row();
-        let numbers = to_floats(&self.observations[start..end]);
-        Batch::new(numbers, &self.links[start..end], self.uavs, nets.aggregation, nets.device)
+        Batch::new(&self.observations[start..end], &self.links[start..end], self.uavs, nets.aggregation, nets.device)
     }
 
     /// Plays a segment with sampled actions, values it and computes advantages.
@@ -124,7 +126,7 @@ impl Shard {
             let logits = actor_logits(&ActorTensors::new(nets.actor, nets.aggregation), &self.batch(t * row, nets));
             self.act(t, &floats(logits));
             self.step(t, s);
-            self.observe(s, (t + 1) * row);
+            self.observe((t + 1) * row);
         }
         for t in 0..=self.steps {
             let values = critic_values(&CriticTensors(nets.critic), &self.batch(t * row, nets));
@@ -201,13 +203,6 @@ pub fn pick(log_p: &[f32], draw: f64) -> Action {
         }
     }
     Action::COAST
-}
-
-/// Observations as the networks take them.
-#[must_use]
-pub fn to_floats(observations: &[Observation]) -> Vec<f32> {
-    const SCALE: f32 = 1.0 / 127.0;
-    observations.as_flattened().iter().map(|&o| f32::from(o) * SCALE).collect()
 }
 
 /// The numbers of a tensor.

@@ -4,7 +4,7 @@
 use super::adam::Adam;
 use super::advantage::ValueNorm;
 use super::ppo::{Loss, Sample, Sums};
-use super::shard::{Shard, floats, to_floats};
+use super::shard::{Shard, floats};
 use super::workers::Workers;
 use crate::net::{ActorTensors, Batch, CriticTensors, Layout, actor_logits, critic_values};
 use burn::tensor::{Device, Tensor, TensorData};
@@ -188,5 +188,5 @@ fn gather(segment: &Segment<'_>, aggregation: Aggregation, places: &[Place]) -> 
         observations.extend_from_slice(&s.observations[at..at + segment.uavs]);
         links.extend_from_slice(&s.links[at..at + segment.uavs]);
     }
-    Batch::new(to_floats(&observations), &links, segment.uavs, aggregation, &Device::flex().autodiff())
+    Batch::new(&observations, &links, segment.uavs, aggregation, &Device::flex().autodiff())
 }

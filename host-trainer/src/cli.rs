@@ -1,0 +1,211 @@
+//! The command line.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Train, measure and export Covey's policy.
+#[derive(Debug, Parser)]
+#[command(version, about, max_term_width = 100)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Train a policy, quantise it, measure it and write a report.
+    #[command(after_help = "Examples:\n  host-trainer train\n  host-trainer train --graph gat --seed 3 --out runs/gat3\n  \
+        host-trainer train --config my.toml --set learning_rate=3e-4 --set entropy_end=0.001\n  \
+        host-trainer train --resume runs/gat3")]
+    Train(Train),
+    /// Measure a policy on held-out worlds.
+    #[command(after_help = "Examples:\n  host-trainer eval\n  host-trainer eval --policy centroid --uavs 5,10,20 --json\n  \
+        host-trainer eval --model actor.postcard --scenario uniform --decide argmax\n  \
+        host-trainer eval --run runs/gcn-seed10 --float")]
+    Eval(Eval),
+    /// Quantise the newest checkpoint of a run into an actor file.
+    #[command(after_help = "Example:\n  host-trainer export runs/gcn-seed10 --out actor.postcard")]
+    Export(Export),
+    /// Check an actor file and show what is in it.
+    #[command(after_help = "Example:\n  host-trainer inspect actor.postcard")]
+    Inspect(Inspect),
+    /// Write a run's report again, or one that compares several runs.
+    #[command(after_help = "Examples:\n  host-trainer report runs/gcn-seed10\n  \
+        host-trainer report runs/gcn-seed10 runs/gat-seed10 --out compare.html")]
+    Report(Report),
+    /// Measure how fast this machine trains.
+    #[command(after_help = "Examples:\n  host-trainer bench\n  host-trainer bench --graph gat --threads 1 --json")]
+    Bench(Bench),
+    /// List every setting of a training run with its default and meaning.
+    #[command(after_help = "Example:\n  host-trainer settings > my.toml")]
+    Settings,
+}
+
+/// Aggregation on the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum GraphArg {
+    /// Plain PPO.
+    None,
+    /// Graph convolution.
+    Gcn,
+    /// Graph attention.
+    Gat,
+}
+
+/// Law of the PoIs on the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LawArg {
+    /// Around three centres.
+    Clustered,
+    /// All over the map.
+    Uniform,
+}
+
+/// Hand-written policies and oracles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PolicyArg {
+    /// A random action in every step.
+    Random,
+    /// Never accelerates.
+    Hover,
+    /// The action whose next state gives the UAV most reward.
+    Greedy,
+    /// Flies to the middle of what no neighbour covers.
+    Centroid,
+    /// Flies to the best static sites, all PoIs known (central).
+    Oracle,
+    /// Starts at the best static sites (central).
+    Parked,
+}
+
+/// How actions are taken from logits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DecideArg {
+    /// Drawn in proportion to their probabilities.
+    Sample,
+    /// The most probable one.
+    Argmax,
+}
+
+/// `train`.
+#[derive(Debug, Args)]
+pub struct Train {
+    /// Settings file (TOML); `host-trainer settings` prints one with all defaults.
+    #[arg(long, value_name = "F")]
+    pub config: Option<PathBuf>,
+    /// Aggregation of neighbours' features [default: gcn].
+    #[arg(long)]
+    pub graph: Option<GraphArg>,
+    /// Training episodes.
+    #[arg(long, value_name = "N")]
+    pub episodes: Option<u32>,
+    /// Seed of the run.
+    #[arg(long, value_name = "S")]
+    pub seed: Option<u64>,
+    /// Run folder [default: runs/GRAPH-seedS, numbered when taken].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Threads [default: one a core, at most one a shard]. Results do not depend on it.
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// Sets one setting; may be repeated.
+    #[arg(long, value_name = "key=value")]
+    pub set: Vec<String>,
+    /// Goes on with an interrupted run, exactly.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["config", "graph", "episodes", "seed", "out", "set"])]
+    pub resume: Option<PathBuf>,
+    /// No progress, no summary: only errors.
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// `eval`.
+#[derive(Debug, Args)]
+pub struct Eval {
+    /// Actor file [default: the one that comes with Covey].
+    #[arg(long, value_name = "FILE.postcard", conflicts_with_all = ["run", "policy"])]
+    pub model: Option<PathBuf>,
+    /// Run folder: its actor file, and with --float its float policy beside it.
+    #[arg(long, value_name = "DIR", conflicts_with = "policy")]
+    pub run: Option<PathBuf>,
+    /// A hand-written policy instead.
+    #[arg(long)]
+    pub policy: Option<PolicyArg>,
+    /// Numbers of UAVs.
+    #[arg(long, value_name = "N,N", value_delimiter = ',', default_value = "20")]
+    pub uavs: Vec<u16>,
+    /// Law of the PoIs.
+    #[arg(long, default_value = "clustered")]
+    pub scenario: LawArg,
+    /// Held-out worlds.
+    #[arg(long, value_name = "N", default_value_t = 200)]
+    pub worlds: u32,
+    /// Seed of the worlds.
+    #[arg(long, value_name = "S", default_value_t = 777)]
+    pub seed: u64,
+    /// How actions are taken.
+    #[arg(long, default_value = "sample")]
+    pub decide: DecideArg,
+    /// Measures the float policy beside the int8 actor, and how often both would choose
+    /// the same (needs --run).
+    #[arg(long, requires = "run")]
+    pub float: bool,
+    /// One JSON array of rows instead of a table.
+    #[arg(long)]
+    pub json: bool,
+    /// Threads [default: one a core].
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+}
+
+/// `export`.
+#[derive(Debug, Args)]
+pub struct Export {
+    /// Run folder.
+    #[arg(value_name = "RUN_DIR")]
+    pub run: PathBuf,
+    /// Actor file to write.
+    #[arg(long, value_name = "FILE.postcard")]
+    pub out: PathBuf,
+}
+
+/// `inspect`.
+#[derive(Debug, Args)]
+pub struct Inspect {
+    /// Actor file.
+    #[arg(value_name = "FILE.postcard")]
+    pub file: PathBuf,
+}
+
+/// `report`.
+#[derive(Debug, Args)]
+pub struct Report {
+    /// Run folders.
+    #[arg(value_name = "RUN_DIR", required = true)]
+    pub runs: Vec<PathBuf>,
+    /// Page to write [default: report.html in the run folder, compare.html for several].
+    #[arg(long, value_name = "FILE.html")]
+    pub out: Option<PathBuf>,
+}
+
+/// `bench`.
+#[derive(Debug, Args)]
+pub struct Bench {
+    /// Aggregation.
+    #[arg(long, default_value = "gcn")]
+    pub graph: GraphArg,
+    /// Threads [default: one a core].
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// Runs of each stage; the medians are printed.
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    pub repeats: u32,
+    /// Sets one setting; may be repeated.
+    #[arg(long, value_name = "key=value")]
+    pub set: Vec<String>,
+    /// One JSON object instead of a table.
+    #[arg(long)]
+    pub json: bool,
+}

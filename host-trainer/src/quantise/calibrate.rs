@@ -1,0 +1,114 @@
+//! Calibration: how large activations get on rollouts.
+
+use crate::float_actor::{FloatActor, FloatPolicy};
+use crate::net::{ActorTensors, actor_pass};
+use crate::train::floats;
+use burn::tensor::Tensor;
+use covey_env::{Links, Scenario, ScenarioError, World};
+use firmware_core::action::Action;
+use firmware_core::actor::Mode;
+use firmware_core::observation::Observation;
+use rayon::prelude::*;
+
+/// Greatest magnitude of every activation of the hidden layers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ranges {
+    /// First hidden layer.
+    pub hidden: Vec<f32>,
+    /// Feature.
+    pub feature: Vec<f32>,
+    /// Combined features.
+    pub combined: Vec<f32>,
+    /// Graph layer's output.
+    pub graph: Vec<f32>,
+    /// Head.
+    pub head: Vec<f32>,
+}
+
+/// What the UAVs of a world saw at a step, with the float logits.
+#[derive(Clone, Debug)]
+pub struct Situation {
+    /// Observations of all UAVs.
+    pub observations: Vec<Observation>,
+    /// Their neighbours.
+    pub links: Vec<Links>,
+    /// Their logits, 17 a UAV.
+    pub logits: Vec<f32>,
+}
+
+fn widen(range: &mut Vec<f32>, activations: Tensor<2>) {
+    let width = activations.dims()[1];
+    range.resize(width, 0.0);
+    for row in floats(activations).chunks_exact(width) {
+        range.iter_mut().zip(row).for_each(|(m, a)| *m = m.max(a.abs()));
+    }
+}
+
+impl Ranges {
+    fn merge(mut self, o: Self) -> Self {
+        let both = |a: &mut Vec<f32>, b: Vec<f32>| {
+            a.resize(b.len().max(a.len()), 0.0);
+            a.iter_mut().zip(b).for_each(|(a, b)| *a = a.max(b));
+        };
+        both(&mut self.hidden, o.hidden);
+        both(&mut self.feature, o.feature);
+        both(&mut self.combined, o.combined);
+        both(&mut self.graph, o.graph);
+        both(&mut self.head, o.head);
+        self
+    }
+}
+
+/// Flies the float policy in `worlds` worlds of `seed` and returns the ranges of its
+/// activations and every situation met.
+///
+/// # Errors
+/// When the scenario cannot be built.
+pub fn calibrate(
+    actor: &FloatActor,
+    scenario: &Scenario,
+    seed: u64,
+    worlds: u32,
+) -> Result<(Ranges, Vec<Situation>), ScenarioError> {
+    let fresh = World::new(scenario)?;
+    let tensors = actor.tensors();
+    let flown: Vec<_> = (0..u64::from(worlds))
+        .into_par_iter()
+        .map(|index| {
+            let mut world = fresh.clone();
+            world.reset(seed, index);
+            fly(actor, &tensors, &mut world, seed.wrapping_add(index))
+        })
+        .collect();
+    let mut ranges = Ranges::default();
+    let mut situations = Vec::new();
+    for (r, s) in flown {
+        ranges = ranges.merge(r);
+        situations.extend(s);
+    }
+    Ok((ranges, situations))
+}
+
+fn fly(actor: &FloatActor, tensors: &[Tensor<2>], world: &mut World, seed: u64) -> (Ranges, Vec<Situation>) {
+    let mut ranges = Ranges::default();
+    let mut situations = Vec::new();
+    let mut policy = FloatPolicy::new(actor, tensors, seed, Mode::Sample);
+    let mut actions = vec![Action::COAST; world.scenario().uavs];
+    while !world.done() {
+        let batch = policy.look(world);
+        let pass = actor_pass(&ActorTensors::new(tensors, actor.aggregation), &batch);
+        widen(&mut ranges.hidden, pass.hidden);
+        widen(&mut ranges.feature, pass.feature);
+        if let Some((combined, graph)) = pass.graph {
+            widen(&mut ranges.combined, combined);
+            widen(&mut ranges.graph, graph);
+        }
+        widen(&mut ranges.head, pass.head);
+        let logits = floats(pass.logits);
+        policy.choose(world, &logits, &mut actions);
+        let (observations, links) = policy.seen();
+        situations.push(Situation { observations: observations.to_vec(), links: links.to_vec(), logits });
+        world.step(&actions);
+    }
+    (ranges, situations)
+}

@@ -1,0 +1,237 @@
+//! From the float policy to the actor file.
+
+mod calibrate;
+mod layers;
+
+pub use calibrate::{Ranges, Situation, calibrate};
+
+use crate::float_actor::FloatActor;
+use covey_env::{Scenario, ScenarioError};
+use firmware_core::actor::file::{Body, HEADER, StoreError, TRAILER};
+use firmware_core::actor::{
+    Actor, Aggregation, Feature, LoadError, NeighbourFeature, Provenance, SELF_TESTS, SelfTestError, argmax,
+    write_self_test,
+};
+use firmware_core::observation;
+use layers::{Blobs, FloatLayer, Output};
+use thiserror::Error;
+
+/// Why a policy could not be quantised.
+#[derive(Debug, Error)]
+pub enum QuantiseError {
+    /// A weight or bias is infinite or not a number.
+    #[error("row {row} of the {layer} layer is not finite: training went wrong; resume from an earlier checkpoint with a lower learning_rate")]
+    NotFinite {
+        /// Layer.
+        layer: &'static str,
+        /// Row.
+        row: usize,
+    },
+    /// A multiplier beyond its range.
+    #[error("the weights in row {row} of the {layer} layer are too large for int8: train with a lower learning_rate")]
+    TooLarge {
+        /// Layer.
+        layer: &'static str,
+        /// Row.
+        row: usize,
+    },
+    /// The scenario of the calibration cannot be built.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// The file could not be composed.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The composed file does not load: a defect of this program.
+    #[error("the exported file does not load: {0}")]
+    Load(#[from] LoadError),
+    /// The composed file fails its self-test: a defect of this program.
+    #[error("the exported file fails its own test: {0}")]
+    SelfTest(#[from] SelfTestError),
+}
+
+/// How far a channel's scale follows its own range rather than the layer's: candidates
+/// among which calibration picks the one that chooses most like the float policy.
+const OWN_RANGE: [f64; 4] = [0.0, 0.35, 0.7, 1.0];
+
+/// Quantises a policy after calibrating it on `worlds` worlds of `seed`.
+///
+/// # Errors
+/// See [`QuantiseError`].
+pub fn quantise(
+    actor: &FloatActor,
+    scenario: &Scenario,
+    seed: u64,
+    worlds: u32,
+    provenance: Provenance<'_>,
+) -> Result<Vec<u8>, QuantiseError> {
+    let (ranges, situations) = calibrate(actor, scenario, seed, worlds)?;
+    let mut best: Option<(usize, Vec<u8>)> = None;
+    for own in OWN_RANGE {
+        let file = compose(actor, &ranges, own, &situations, provenance)?;
+        let agreeing = agreement(&Actor::load(&file)?, &situations).0;
+        if best.as_ref().is_none_or(|(most, _)| agreeing > *most) {
+            best = Some((agreeing, file));
+        }
+    }
+    let (_, file) = best.unwrap_or_default();
+    Actor::load(&file)?.self_test()?;
+    Ok(file)
+}
+
+/// The same actor with another provenance.
+///
+/// # Errors
+/// When `file` is no sound actor file.
+pub fn with_provenance(file: &[u8], provenance: Provenance<'_>) -> Result<Vec<u8>, QuantiseError> {
+    let body = file.get(HEADER..file.len().saturating_sub(TRAILER)).unwrap_or(&[]);
+    Actor::load(file)?;
+    let body: Body<'_> = postcard::from_bytes(body).map_err(|_| LoadError::Malformed)?;
+    store(&Body { provenance, ..body })
+}
+
+fn store(body: &Body<'_>) -> Result<Vec<u8>, QuantiseError> {
+    let mut out = vec![0; body.weights.len() + body.tables.len() + body.self_tests.len() + 4096];
+    let n = body.store(&mut out)?;
+    out.truncate(n);
+    Ok(out)
+}
+
+/// Scales of a layer's channels: ranges over 127, between the layer's (0) and each
+/// channel's own (1).
+fn scales(ranges: &[f32], own: f64) -> Vec<f64> {
+    let top = ranges.iter().fold(1e-6f64, |m, &r| m.max(f64::from(r)));
+    // A channel that hardly ever fires keeps a thousandth of the layer's range.
+    ranges.iter().map(|&r| top * (f64::from(r).max(top * 1e-3) / top).powf(own) / 127.0).collect()
+}
+
+fn compose(
+    actor: &FloatActor,
+    ranges: &Ranges,
+    own: f64,
+    situations: &[Situation],
+    provenance: Provenance<'_>,
+) -> Result<Vec<u8>, QuantiseError> {
+    let p = |name| actor.layout.piece(&actor.values, name);
+    let layer = |name, weights, biases| FloatLayer::from_columns(name, p(weights), p(biases));
+    let mut blobs = Blobs::default();
+    let input = vec![1.0 / 127.0; observation::LEN];
+    let mut hidden = scales(&ranges.hidden, own);
+    blobs.push(&layer("first encoder", "encoder1", "encoder1 bias"), &input, Output::Int8(&mut hidden))?;
+    let mut feature = scales(&ranges.feature, own);
+    blobs.push(&layer("second encoder", "encoder2", "encoder2 bias"), &hidden, Output::Int8(&mut feature))?;
+    let mut aggregate_multiplier = 0;
+    let mut joined = feature.clone();
+    let mut head_layer = layer("head", "head own", "head bias");
+    if actor.aggregation != Aggregation::None {
+        if actor.aggregation == Aggregation::Gat {
+            blobs.push(&attention(actor), &feature, Output::Wide)?;
+        }
+        // One factor for all channels: combined features keep the features' scales,
+        // times what the fullest channel needs. Sums are Q15.
+        let grown = ranges
+            .combined
+            .iter()
+            .zip(&feature)
+            .fold(1e-3, |m: f64, (&r, s)| m.max(f64::from(r) / (127.0 * s)));
+        aggregate_multiplier = ((1u64 << 17) as f64 / grown).round().min(f64::from(i32::MAX)) as i32;
+        let combined: Vec<f64> = feature.iter().map(|s| s * grown).collect();
+        let mut graph = scales(&ranges.graph, own);
+        blobs.push(&layer("graph", "graph", "graph bias"), &combined, Output::Int8(&mut graph))?;
+        joined.extend(graph);
+        head_layer = head_layer.beside(p("head aggregate"));
+    }
+    let mut head = scales(&ranges.head, own);
+    blobs.push(&head_layer, &joined, Output::Int8(&mut head))?;
+    blobs.push(&layer("output", "output", "output bias"), &head, Output::Wide)?;
+    let body = Body {
+        align: &[],
+        weights: &blobs.weights,
+        tables: &blobs.tables,
+        observation: observation::ID,
+        aggregation: actor.aggregation,
+        dimensions: actor.dimensions,
+        tie_period: actor.tie_period,
+        aggregate_multiplier,
+        provenance,
+        self_tests: &[],
+        content_hash: 0,
+    };
+    with_self_tests(&body, situations)
+}
+
+/// The two halves of the score, `W a₁` and `W a₂`, as a layer of two rows.
+fn attention(actor: &FloatActor) -> FloatLayer {
+    let p = |name| actor.layout.piece(&actor.values, name);
+    let (w, width) = (p("graph"), usize::from(actor.dimensions.feature));
+    let half = |a: &[f32]| {
+        w.chunks_exact(width).map(|row| row.iter().zip(a).map(|(w, a)| f64::from(*w) * f64::from(*a)).sum()).collect()
+    };
+    FloatLayer {
+        name: "attention",
+        weights: vec![half(p("attention receiver")), half(p("attention sender"))],
+        biases: vec![0.0; 2],
+    }
+}
+
+/// Features of all UAVs of a situation and the logits of one of them.
+fn int8_logits(actor: &Actor<'_>, features: &[Feature], s: &Situation, i: usize) -> [i16; 17] {
+    let links = &s.links;
+    let width = usize::from(actor.dimensions().feature);
+    let neighbours = links[i].as_slice().iter().map(|&j| NeighbourFeature {
+        values: &features[usize::from(j)].values[..width],
+        degree: links[usize::from(j)].count + 1,
+        attended: features[usize::from(j)].attended,
+    });
+    actor.logits(&features[i], links[i].count + 1, neighbours)
+}
+
+/// Decisions in which the int8 actor's greatest logit is the float policy's, and all.
+#[must_use]
+pub fn agreement(actor: &Actor<'_>, situations: &[Situation]) -> (usize, usize) {
+    let (mut agreeing, mut all) = (0, 0);
+    for s in situations {
+        let features: Vec<Feature> = s.observations.iter().map(|o| actor.encode(o)).collect();
+        for (i, row) in s.logits.chunks_exact(17).enumerate() {
+            let own = argmax(&int8_logits(actor, &features, s, i));
+            agreeing += usize::from(own == crate::float_actor::argmax(row));
+            all += 1;
+        }
+    }
+    (agreeing, all)
+}
+
+/// The file with self-tests of situations spread over the calibration.
+fn with_self_tests(body: &Body<'_>, situations: &[Situation]) -> Result<Vec<u8>, QuantiseError> {
+    let width = usize::from(body.dimensions.feature);
+    let vectors = |actor: Option<&Actor<'_>>| {
+        let mut bytes = Vec::new();
+        for k in 0..SELF_TESTS {
+            let s = &situations[(2 * k + 1) * situations.len() / (2 * SELF_TESTS)];
+            // The UAV with most neighbours in every other vector.
+            let most = |&i: &usize| s.links[i].count;
+            let i = if k % 2 == 0 { k % s.links.len() } else { (0..s.links.len()).max_by_key(most).unwrap_or(0) };
+            let blank = Feature { values: [0; 64], attending: 0, attended: 0 };
+            let features: Vec<Feature> =
+                s.observations.iter().map(|o| actor.map_or(blank, |a| a.encode(o))).collect();
+            let logits = actor.map_or([0; 17], |a| int8_logits(a, &features, s, i));
+            let neighbours: Vec<NeighbourFeature<'_>> = s.links[i]
+                .as_slice()
+                .iter()
+                .map(|&j| NeighbourFeature {
+                    values: &features[usize::from(j)].values[..width],
+                    degree: s.links[usize::from(j)].count + 1,
+                    attended: features[usize::from(j)].attended,
+                })
+                .collect();
+            let mut buffer = [0; 2048];
+            let n = write_self_test(&mut buffer, &s.observations[i], s.links[i].count + 1, &neighbours, &logits);
+            bytes.extend(&buffer[..n.unwrap_or(0)]);
+        }
+        bytes
+    };
+    // Logits do not depend on the vectors: compute them with blank ones first.
+    let blank = vectors(None);
+    let draft = store(&Body { self_tests: &blank, ..*body })?;
+    let tests = vectors(Some(&Actor::load(&draft)?));
+    store(&Body { self_tests: &tests, ..*body })
+}
