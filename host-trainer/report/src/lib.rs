@@ -3,7 +3,8 @@
 //! - [`atomic`]: whole files that are either old or new, never half;
 //! - [`metrics`]: one JSON object a line, exact across an interruption;
 //! - [`tensorboard`]: the same numbers as TensorBoard event files;
-//! - [`progress`]: a bar on a terminal, plain lines elsewhere.
+//! - [`progress`]: a bar on a terminal, plain lines elsewhere;
+//! - [`report`]: curves, tables and episodes as one HTML page.
 //!
 //! The crate knows nothing of training or flight: callers hand it plain data.
 
@@ -12,4 +13,5 @@
 pub mod atomic;
 pub mod metrics;
 pub mod progress;
+pub mod report;
 pub mod tensorboard;
