@@ -5,3 +5,5 @@ pub mod net;
 pub mod quantise;
 pub mod settings;
 pub mod train;
+pub mod cli;
+pub mod run;

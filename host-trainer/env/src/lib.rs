@@ -9,10 +9,13 @@
 //! computes it.
 #![forbid(unsafe_code)]
 
+mod actor_policy;
+mod evaluate;
 mod grid;
 mod groups;
 mod layout;
 mod metrics;
+mod policy;
 pub mod random;
 mod scenario;
 mod score;
@@ -20,7 +23,10 @@ mod sight;
 mod view;
 mod world;
 
+pub use actor_policy::ActorPolicy;
+pub use evaluate::{Evaluation, evaluate, evaluate_with};
 pub use metrics::EpisodeMetrics;
+pub use policy::Policy;
 pub use scenario::{Law, Scenario, ScenarioError};
 pub use sight::{Links, Observer};
 pub use world::{LayoutError, World};

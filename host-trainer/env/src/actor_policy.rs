@@ -1,0 +1,94 @@
+//! The int8 actor in a world: every UAV encodes, hears its neighbours and decides as on
+//! board, with every message arriving at once.
+
+use crate::policy::Policy;
+use crate::sight::{Links, Observer};
+use crate::world::World;
+use firmware_core::action::Action;
+use firmware_core::actor::{Actor, Feature, Logits, Mode, NeighbourFeature};
+use firmware_core::observation::{LEN, Observation};
+
+/// Flies all UAVs of a world with one actor.
+#[derive(Clone, Debug)]
+pub struct ActorPolicy<'a> {
+    actor: Actor<'a>,
+    seed: u64,
+    mode: Mode,
+    observer: Observer,
+    observations: Vec<Observation>,
+    links: Vec<Links>,
+    features: Vec<Feature>,
+}
+
+impl<'a> ActorPolicy<'a> {
+    /// `seed` is the policy seed that all UAVs share; each draws from it by its id and
+    /// the step.
+    #[must_use]
+    pub fn new(actor: Actor<'a>, seed: u64, mode: Mode) -> Self {
+        Self {
+            actor,
+            seed,
+            mode,
+            observer: Observer::new(seed, actor.tie_period()),
+            observations: Vec::new(),
+            links: Vec::new(),
+            features: Vec::new(),
+        }
+    }
+
+    /// Observes and encodes the present state of `world`.
+    pub fn look(&mut self, world: &World) {
+        let n = world.scenario().uavs;
+        self.observations.resize(n, [0; LEN]);
+        self.links.resize(n, Links::default());
+        self.observer.observe(world, &mut self.observations, &mut self.links);
+        self.features.clear();
+        self.features.extend(self.observations.iter().map(|o| self.actor.encode(o)));
+    }
+
+    /// Observations of all UAVs at the last [`Self::look`].
+    #[must_use]
+    pub fn observations(&self) -> &[Observation] {
+        &self.observations
+    }
+
+    /// Neighbours of all UAVs at the last [`Self::look`].
+    #[must_use]
+    pub fn links(&self) -> &[Links] {
+        &self.links
+    }
+
+    /// Logits of UAV `i` for what it saw and heard at the last [`Self::look`].
+    ///
+    /// # Panics
+    /// When the world seen had no such UAV.
+    #[must_use]
+    pub fn logits(&self, i: usize) -> Logits {
+        let width = usize::from(self.actor.dimensions().feature);
+        let degree = |i: usize| self.links[i].count + 1;
+        let neighbours = self.links[i].as_slice().iter().map(|&j| {
+            let feature = &self.features[usize::from(j)];
+            NeighbourFeature {
+                values: &feature.values[..width],
+                degree: degree(usize::from(j)),
+                attended: feature.attended,
+            }
+        });
+        self.actor.logits(&self.features[i], degree(i), neighbours)
+    }
+
+    /// The action of these logits for UAV `i` at `step`.
+    #[must_use]
+    pub fn choose(&self, logits: &Logits, i: usize, step: u32) -> Action {
+        self.actor.choose(logits, self.mode, self.seed, i as u16, step)
+    }
+}
+
+impl Policy for ActorPolicy<'_> {
+    fn act(&mut self, world: &World, actions: &mut [Action]) {
+        self.look(world);
+        for (i, action) in actions.iter_mut().enumerate() {
+            *action = self.choose(&self.logits(i), i, world.steps_done());
+        }
+    }
+}
