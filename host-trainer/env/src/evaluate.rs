@@ -96,3 +96,31 @@ pub(crate) fn fly<P: Policy + ?Sized>(world: &mut World, policy: &mut P, mut wat
     }
 }
 
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::baselines::{Centroid, Random};
+
+    #[test]
+    fn mean_and_standard_error() {
+        let world = |coverage| EpisodeMetrics { coverage, ..EpisodeMetrics::default() };
+        let e = Evaluation { worlds: vec![world(1.0), world(2.0), world(3.0), world(4.0)] };
+        assert_eq!(e.mean().coverage, 2.5);
+        assert!((e.standard_error().coverage - (5.0f64 / 3.0 / 4.0).sqrt()).abs() < 1e-12);
+        assert_eq!(e.standard_error().energy, 0.0);
+    }
+
+    #[test]
+    fn the_number_of_threads_changes_nothing() {
+        let scenario = Scenario { steps: 20, ..Scenario::default() };
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let random = evaluate(&scenario, 5, 9, |i| Random::new(1, i)).unwrap();
+                let centroid = evaluate(&scenario, 5, 9, |i| Centroid::new(1, i)).unwrap();
+                (random, centroid)
+            })
+        };
+        assert_eq!(on(1), on(3));
+    }
+}

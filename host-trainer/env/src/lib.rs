@@ -9,17 +9,24 @@
 //! computes it.
 #![forbid(unsafe_code)]
 
+mod assignment;
 mod actor_policy;
+pub mod baselines;
+mod bits;
+pub mod cover;
 mod evaluate;
 mod grid;
 mod groups;
 mod layout;
 mod metrics;
+pub mod oracles;
 mod policy;
 pub mod random;
 mod scenario;
 mod score;
 mod sight;
+mod steering;
+mod trace;
 mod view;
 mod world;
 
@@ -29,4 +36,5 @@ pub use metrics::EpisodeMetrics;
 pub use policy::Policy;
 pub use scenario::{Law, Scenario, ScenarioError};
 pub use sight::{Links, Observer};
+pub use trace::{Frame, Trace};
 pub use world::{LayoutError, World};

@@ -1,9 +1,10 @@
 //! The metrics of an episode.
 
 use crate::score::Score;
+use serde::{Deserialize, Serialize};
 
 /// Metrics over the steps made so far (the spawn state is not scored).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EpisodeMetrics {
     /// Mean over steps of PoIs covered by any UAV / all PoIs, 0 to 1.
     pub coverage: f64,

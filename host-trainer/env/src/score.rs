@@ -133,10 +133,8 @@ impl Score {
 
     /// Rewards from the counts, positions and energies.
     pub(crate) fn pay(&mut self, scene: &Scene<'_>) {
-        let inside = BORDER_U..scene.side_u - BORDER_U;
-        let clear = |v: f32| v > inside.start && v < inside.end;
         for i in 0..self.reward.len() {
-            let near = !(clear(scene.x[i]) && clear(scene.y[i]));
+            let near = near_border(scene.side_u, scene.x[i], scene.y[i]);
             let (individual, group, size) = (self.individual[i], self.group[i], self.group_size[i]);
             self.near_border[i] = near;
             self.reward[i] = reward(individual, group, size, near, self.energy[i]);
@@ -147,6 +145,12 @@ impl Score {
     pub(crate) fn is_covered(&self, p: usize) -> bool {
         self.last_group[p] >= self.first_group
     }
+}
+
+/// Whether (x, y) is within 5 u of the edge.
+pub(crate) fn near_border(side_u: f32, x: f32, y: f32) -> bool {
+    let clear = |v: f32| v > BORDER_U && v < side_u - BORDER_U;
+    !(clear(x) && clear(y))
 }
 
 /// Reward of a UAV that alone covers `individual` PoIs of the `group` that its group of

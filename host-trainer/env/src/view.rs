@@ -86,6 +86,16 @@ impl World {
         })
     }
 
+    /// UAVs within `range_u` of a place, in no particular order (but always the same).
+    pub fn uavs_within(&self, x: f32, y: f32, range_u: f32) -> impl Iterator<Item = usize> + '_ {
+        self.uav_cells.around(x, y, range_u).flatten().map(|slot| self.uav_cells.points()[slot] as usize).filter(
+            move |&i| {
+                let (dx, dy) = (self.x[i] - x, self.y[i] - y);
+                dx * dx + dy * dy <= range_u * range_u
+            },
+        )
+    }
+
     /// Rewards of the last step. Before the first, what the spawn state would pay.
     #[must_use]
     pub fn rewards(&self) -> &[f32] {

@@ -134,14 +134,19 @@ impl World {
                 }
             }
         }
-        for (i, &(x, y)) in uav.iter().enumerate() {
-            (self.x[i], self.y[i]) = (x, y);
-        }
         for (i, &(x, y)) in poi.iter().enumerate() {
             (self.poi_x[i], self.poi_y[i]) = (x, y);
         }
-        self.begin();
+        self.respawn(uav);
         Ok(())
+    }
+
+    /// Starts a new episode with the same PoIs and the UAVs at these places on the map.
+    pub(crate) fn respawn(&mut self, uav: &[(f32, f32)]) {
+        for (i, &(x, y)) in uav.iter().enumerate() {
+            (self.x[i], self.y[i]) = (x, y);
+        }
+        self.begin();
     }
 
     fn begin(&mut self) {

@@ -1,0 +1,75 @@
+//! Baselines and oracles against the scenario's reference figures, on fewer worlds.
+//! The full check is the example `reference`.
+
+use covey_env::baselines::{Centroid, Greedy, Hover, Random};
+use covey_env::oracles::{FlyToSites, evaluate_parked};
+use covey_env::{Evaluation, Law, Scenario, evaluate};
+
+const WORLDS: u64 = 40;
+const SEED: u64 = 777;
+
+fn scenario(law: Law) -> Scenario {
+    Scenario { law, ..Scenario::default() }
+}
+
+/// Means within 0.02 of the figure, besides what chance does with so few worlds.
+fn assert_coverage(evaluation: &Evaluation, figure: f64) {
+    let (mean, error) = (evaluation.mean().coverage, evaluation.standard_error().coverage);
+    assert!((mean - figure).abs() < 0.02 + 2.0 * error, "coverage {mean:.3} ± {error:.3}, reference {figure}");
+}
+
+fn assert_reward(evaluation: &Evaluation, figure: f64) {
+    let (mean, error) = (evaluation.mean().reward, evaluation.standard_error().reward);
+    assert!((mean - figure).abs() < 0.05 * figure + 2.0 * error, "reward {mean:.0} ± {error:.0}, reference {figure}");
+}
+
+fn assert_energy(evaluation: &Evaluation, figure: f64) {
+    let mean = evaluation.mean().energy;
+    assert!((mean - figure).abs() < 0.02, "energy {mean:.3}, reference {figure}");
+}
+
+#[test]
+fn random_and_hover() {
+    for (law, random, hover) in [(Law::Clustered, 0.15, 0.19), (Law::Uniform, 0.136, 0.144)] {
+        let s = scenario(law);
+        let r = evaluate(&s, SEED, WORLDS, |i| Random::new(1, i)).unwrap();
+        assert_coverage(&r, random);
+        assert_energy(&r, 0.91);
+        let h = evaluate(&s, SEED, WORLDS, |_| Hover).unwrap();
+        assert_coverage(&h, hover);
+        assert_energy(&h, 0.5);
+        assert_eq!(h.mean().coverage, h.mean().coverage_last);
+    }
+}
+
+#[test]
+fn greedy() {
+    let e = evaluate(&scenario(Law::Clustered), SEED, WORLDS, |_| Greedy::new()).unwrap();
+    assert_coverage(&e, 0.365);
+    assert_energy(&e, 0.61);
+    assert_reward(&e, 391.0);
+    assert_coverage(&evaluate(&scenario(Law::Uniform), SEED, WORLDS, |_| Greedy::new()).unwrap(), 0.286);
+}
+
+#[test]
+fn centroid() {
+    let e = evaluate(&scenario(Law::Clustered), SEED, WORLDS, |i| Centroid::new(1, i)).unwrap();
+    assert_coverage(&e, 0.56);
+    assert_energy(&e, 0.69);
+    assert_reward(&e, 510.0);
+    assert_coverage(&evaluate(&scenario(Law::Uniform), SEED, WORLDS, |i| Centroid::new(1, i)).unwrap(), 0.349);
+}
+
+#[test]
+fn oracles() {
+    let parked = evaluate_parked(&scenario(Law::Clustered), SEED, WORLDS).unwrap();
+    assert_coverage(&parked, 0.856);
+    assert_coverage(&evaluate_parked(&scenario(Law::Uniform), SEED, WORLDS).unwrap(), 0.605);
+    let flown = evaluate(&scenario(Law::Clustered), SEED, WORLDS, |_| FlyToSites::new()).unwrap();
+    assert_coverage(&flown, 0.736);
+    assert_energy(&flown, 0.63);
+    assert_reward(&flown, 742.0);
+    for (parked, flown) in parked.worlds.iter().zip(&flown.worlds) {
+        assert!(flown.coverage <= parked.coverage, "who has to fly there covers no more");
+    }
+}
