@@ -16,6 +16,7 @@ pub mod action;
 pub mod actor;
 pub mod geometry;
 pub mod kernel;
+pub mod link;
 pub mod message;
 pub mod neighbour_table;
 pub mod observation;

@@ -18,6 +18,7 @@ use crate::message::{Beacon, Feature, Message};
 use crate::observation::{MAX_NEIGHBOURS, Neighbours};
 use entry::Entry;
 use heapless::Vec;
+use serde::{Deserialize, Serialize};
 
 /// Greatest age of a beacon or a feature in use, steps (the limit is inside).
 pub const MAX_AGE_STEPS: i32 = 2;
@@ -34,7 +35,7 @@ pub const BELIEVED_SPEED_U: i32 = SPEED_CAP_U * 3 / 2;
 pub const POSITION_NOISE_U: i32 = 2;
 
 /// A moment on the swarm's common clock.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Moment {
     /// Number of the step.
     pub step: u32,
@@ -64,9 +65,10 @@ impl Policy {
     }
 }
 
-/// What became of a message.
+/// What became of a message. The order of the variants is part of the actor link's protocol
+/// (see [`crate::link`]).
 #[must_use]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Answer {
     /// Taken: the first beacon of this sender.
     New,
@@ -121,12 +123,13 @@ impl NeighbourTable {
     /// [`STEP_MS_LIMIT`] (what is outside counts as the nearest).
     #[must_use]
     pub const fn new(own_id: u16, policy: Policy, step_ms: u16) -> Self {
-        let step_ms = match step_ms {
-            0 => 1,
-            ms if ms > STEP_MS_LIMIT => STEP_MS_LIMIT,
-            ms => ms,
-        };
-        Self { own_id, step_ms, policy, entries: Vec::new() }
+        Self { own_id, step_ms: valid_step(step_ms), policy, entries: Vec::new() }
+    }
+
+    /// Becomes [`Self::new`] in place, for boards whose stack has no room for a table.
+    pub fn reset(&mut self, own_id: u16, policy: Policy, step_ms: u16) {
+        (self.own_id, self.policy, self.step_ms) = (own_id, policy, valid_step(step_ms));
+        self.entries.clear();
     }
 
     /// Takes in a message heard at `now`, with the own position (ticks) at that time.
@@ -235,6 +238,14 @@ impl NeighbourTable {
             }
             _ => Answer::TooFar,
         }
+    }
+}
+
+const fn valid_step(step_ms: u16) -> u16 {
+    match step_ms {
+        0 => 1,
+        ms if ms > STEP_MS_LIMIT => STEP_MS_LIMIT,
+        ms => ms,
     }
 }
 

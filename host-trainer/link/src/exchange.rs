@@ -1,0 +1,152 @@
+//! Requests and their answers as bytes, with time-outs and further attempts.
+
+use crate::LinkError;
+use firmware_core::link::{Deframer, FrameError, MAX_REPLY, MAX_REQUEST, Request, UNASKED, frame_len, seal, unseal};
+use std::collections::VecDeque;
+use std::io::{Error, ErrorKind, Read, Write};
+use std::time::{Duration, Instant};
+
+/// How patient a client is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// How long to wait for an answer. Zero: until the stream has nothing more to read.
+    pub timeout: Duration,
+    /// How often to ask, at least once.
+    pub attempts: u32,
+}
+
+impl Default for Options {
+    /// Three times half a second.
+    fn default() -> Self {
+        Self { timeout: Duration::from_millis(500), attempts: 3 }
+    }
+}
+
+/// Version, tag, record and checksum.
+const CONTENT: usize = MAX_REPLY + 4;
+
+/// A stream with frames in it.
+#[derive(Debug)]
+pub(crate) struct Exchange<S> {
+    stream: S,
+    options: Options,
+    deframer: Deframer<CONTENT>,
+    /// Bytes read but not looked at.
+    pending: VecDeque<u8>,
+    tag: u8,
+    /// The last record that came unasked.
+    unasked: Option<Vec<u8>>,
+    dropped: u64,
+}
+
+/// An intact frame.
+struct Frame {
+    tag: u8,
+    record: Vec<u8>,
+}
+
+impl<S: Read + Write> Exchange<S> {
+    pub(crate) const fn new(stream: S, options: Options) -> Self {
+        Self {
+            stream,
+            options,
+            deframer: Deframer::new(),
+            pending: VecDeque::new(),
+            tag: UNASKED,
+            unasked: None,
+            dropped: 0,
+        }
+    }
+
+    pub(crate) const fn stream(&self) -> &S {
+        &self.stream
+    }
+
+    pub(crate) const fn set_options(&mut self, options: Options) {
+        self.options = options;
+    }
+
+    pub(crate) const fn options(&self) -> Options {
+        self.options
+    }
+
+    /// Frames of the board that came damaged.
+    pub(crate) const fn dropped(&self) -> u64 {
+        self.dropped
+    }
+
+    /// The last record that came unasked, once.
+    pub(crate) const fn take_unasked(&mut self) -> Option<Vec<u8>> {
+        self.unasked.take()
+    }
+
+    /// Asks until there is an answer, and returns its record.
+    pub(crate) fn ask(&mut self, name: &'static str, request: &Request<'_>) -> Result<Vec<u8>, LinkError> {
+        let attempts = self.options.attempts.max(1);
+        for _ in 0..attempts {
+            self.tag = if self.tag == u8::MAX { UNASKED + 1 } else { self.tag + 1 };
+            self.send(request)?;
+            let timeout = self.options.timeout;
+            let deadline = (!timeout.is_zero()).then(|| Instant::now() + timeout);
+            // Answers to earlier attempts may still come; they are passed over.
+            while let Some(frame) = self.receive(deadline)? {
+                if frame.tag == self.tag {
+                    return Ok(frame.record);
+                }
+                if frame.tag == UNASKED {
+                    self.unasked = Some(frame.record);
+                }
+            }
+        }
+        Err(LinkError::Silent { request: name, attempts })
+    }
+
+    fn send(&mut self, request: &Request<'_>) -> Result<(), LinkError> {
+        let mut buffer = [0; frame_len(MAX_REQUEST)];
+        let frame = seal(self.tag, request, &mut buffer).ok_or(Error::from(ErrorKind::InvalidInput))?;
+        self.stream.write_all(frame)?;
+        Ok(self.stream.flush()?)
+    }
+
+    /// The next intact frame, or nothing until the deadline (none: until nothing comes).
+    fn receive(&mut self, deadline: Option<Instant>) -> Result<Option<Frame>, LinkError> {
+        loop {
+            while let Some(byte) = self.pending.pop_front() {
+                let content = match self.deframer.push(byte) {
+                    Some(Ok(content)) => content,
+                    Some(Err(_)) => {
+                        self.dropped += 1;
+                        continue;
+                    }
+                    None => continue,
+                };
+                match unseal(content) {
+                    Ok((tag, record)) => return Ok(Some(Frame { tag, record: record.to_vec() })),
+                    Err(FrameError::Version(version)) => return Err(LinkError::Version(version)),
+                    Err(_) => self.dropped += 1,
+                }
+            }
+            // A line that babbles without end does not outlast the deadline either.
+            let more = self.fill()?;
+            if deadline.map_or(!more, |d| Instant::now() >= d) {
+                return Ok(None);
+            }
+        }
+    }
+
+    /// Reads what there is; false when there is nothing yet.
+    fn fill(&mut self) -> Result<bool, LinkError> {
+        let mut chunk = [0; 256];
+        match self.stream.read(&mut chunk) {
+            Ok(0) => Err(LinkError::Closed),
+            Ok(n) => {
+                self.pending.extend(&chunk[..n]);
+                Ok(true)
+            }
+            Err(e) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted) => {
+                Ok(false)
+            }
+            Err(e) => Err(e.into()),
+        }
+    }
+}
