@@ -1,6 +1,6 @@
 //! One dense layer, read in place from the actor file.
 
-use crate::kernel::{dense, requantise};
+use crate::kernel::{self, Dense, Finish};
 
 /// Greatest number of rows of a layer.
 pub const MAX_ROWS: usize = 128;
@@ -9,20 +9,12 @@ pub const MAX_COLUMNS: usize = 144;
 /// Greatest magnitude of a bias. With 144 columns of int8 products the biased sum
 /// stays below 2²³ + 2²⁴ < 2²⁵.
 pub const MAX_BIAS: i32 = 1 << 24;
-/// Layers with wide outputs shift the sum left by this before it is requantised, so
-/// that their factor may be up to 8. 2²⁵·2⁴ = 2²⁹ fits.
-pub const WIDE_SHIFT: u32 = 4;
 
-/// `rows × columns` int8 weights packed in row pairs, with a bias and a multiplier
-/// a row.
+/// A dense layer of known width.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Layer<'a> {
-    rows: usize,
     columns: usize,
-    weights: &'a [u8],
-    /// `rows` biases, then `rows` multipliers, each a little-endian i32.
-    biases: &'a [u8],
-    multipliers: &'a [u8],
+    dense: Dense<'a>,
 }
 
 /// The next even number.
@@ -64,42 +56,37 @@ impl<'a> Layer<'a> {
         let (biases, rest) = tables.split_at_checked(4 * rows).ok_or(LayerError::Short)?;
         let (multipliers, rest) = rest.split_at_checked(4 * rows).ok_or(LayerError::Short)?;
         *tables = rest;
+        let (biases, multipliers) = (biases.as_chunks().0, multipliers.as_chunks().0);
         let sound = words(biases).all(|b| (-MAX_BIAS..=MAX_BIAS).contains(&b)) && words(multipliers).all(|m| m >= 0);
         if !sound {
             return Err(LayerError::OutOfRange);
         }
-        Ok(Self { rows, columns, weights: own, biases, multipliers })
+        Ok(Self { columns, dense: Dense { weights: own, biases, multipliers } })
     }
 
-    /// `out[r] = clamp(round(m_r·(Σ_c w[r][c]·x[c] + b_r) / 2³²), low, high)` for every
-    /// row; `x` holds at least the layer's columns, padded with a zero to an even
-    /// number, `out` at least its rows.
-    pub(crate) fn apply(&self, x: &[i16], out: &mut [i16], low: i32, high: i32) {
-        self.run(x, out, 0, low, high);
+    /// `out[r] = clamp(round(m_r·(Σ_c w[r][c]·x[c] + b_r) / 2³²), 0, 127)` for every row;
+    /// `x` holds at least the layer's columns, padded with a zero to an even number,
+    /// `out` at least its rows.
+    pub(crate) fn apply(&self, x: &[i16], out: &mut [i16]) {
+        self.run(x, out, Finish::Rectified);
     }
 
-    /// As [`Self::apply`], with the sum shifted left by [`WIDE_SHIFT`] first and the whole
-    /// i16 range as output.
+    /// As [`Self::apply`], with the sum shifted left by [`kernel::WIDE_SHIFT`] first and
+    /// the whole i16 range as output.
     pub(crate) fn apply_wide(&self, x: &[i16], out: &mut [i16]) {
-        self.run(x, out, WIDE_SHIFT, i32::from(i16::MIN), i32::from(i16::MAX));
+        self.run(x, out, Finish::Wide);
     }
 
-    fn run(&self, x: &[i16], out: &mut [i16], shift: u32, low: i32, high: i32) {
-        let mut sums = [0i32; MAX_ROWS];
-        let (Some(sums), Some(x)) = (sums.get_mut(..even(self.rows)), x.get(..even(self.columns))) else {
-            return; // Loading bounds rows and columns, and callers size their buffers by the maxima.
-        };
-        dense(self.weights, x, sums);
-        let rows = sums.iter().zip(words(self.biases)).zip(words(self.multipliers));
-        for (out, ((&sum, bias), m)) in out.iter_mut().zip(rows) {
-            *out = requantise((sum + bias) << shift, m).clamp(low, high) as i16;
+    fn run(&self, x: &[i16], out: &mut [i16], finish: Finish) {
+        // Loading bounds the columns, and callers size their buffers by the maximum.
+        if let Some(x) = x.get(..even(self.columns)) {
+            self.dense.apply(x, out, finish);
         }
     }
 }
 
-fn words(bytes: &[u8]) -> impl Iterator<Item = i32> + '_ {
-    bytes.chunks_exact(4).map(|c| match c {
-        &[a, b, c, d] => i32::from_le_bytes([a, b, c, d]),
-        _ => 0,
-    })
+fn words(words: &[[u8; 4]]) -> impl Iterator<Item = i32> + '_ {
+    words.iter().map(|word| i32::from_le_bytes(*word))
 }
+
+const _: () = assert!(MAX_COLUMNS <= kernel::MAX_COLUMNS);

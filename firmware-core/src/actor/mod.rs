@@ -182,9 +182,9 @@ impl<'a> Actor<'a> {
             *x = i16::from(o);
         }
         let mut y = [0i16; MAX_ROWS];
-        self.encoder1.apply(&x, &mut y, 0, 127);
+        self.encoder1.apply(&x, &mut y);
         let mut h = [0i16; MAX_FEATURE];
-        self.encoder2.apply(&y, &mut h, 0, 127);
+        self.encoder2.apply(&y, &mut h);
         let mut halves = [0i16; 2];
         if self.aggregation == Aggregation::Gat {
             self.attention.apply_wide(&h, &mut halves);
@@ -221,11 +221,11 @@ impl<'a> Actor<'a> {
                 *x = requantise(sum, self.aggregate_multiplier).clamp(-127, 127) as i16;
             }
             if let Some(y) = joined.get_mut(usize::from(self.dimensions.feature)..) {
-                self.graph.apply(&mean, y, 0, 127);
+                self.graph.apply(&mean, y);
             }
         }
         let mut hidden = [0i16; MAX_ROWS];
-        self.head.apply(&joined, &mut hidden, 0, 127);
+        self.head.apply(&joined, &mut hidden);
         let mut logits = [0i16; ACTIONS];
         self.output.apply_wide(&hidden, &mut logits);
         logits
