@@ -56,7 +56,14 @@ impl Page {
     fn open(&self, page: &str, arguments: &[&str]) -> String {
         let profile = tempfile::tempdir().expect("a temporary folder");
         let output = Command::new(chromium())
-            .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"])
+            .args([
+                "--headless",
+                "--no-sandbox",
+                "--disable-gpu",
+                "--disable-quic",
+                "--no-first-run",
+                "--disable-dev-shm-usage",
+            ])
             .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
             .args(["--hide-scrollbars", &format!("--virtual-time-budget={BUDGET_MS}")])
             .arg(format!("--user-data-dir={}", profile.path().display()))
@@ -136,11 +143,34 @@ fn the_page_runs_without_errors_and_shows_its_curves() {
 }
 
 #[test]
-fn the_player_plays_when_it_is_asked_to() {
+fn the_player_starts_by_itself_when_it_is_asked_to() {
     let document = Page::new().document("play");
-    assert_eq!(state(&document, "errors"), "0");
-    let step: u32 = state(&document, "step").parse().expect("a step");
-    assert!(step > 0, "the player did not move");
+    assert_eq!((state(&document, "errors"), state(&document, "playing")), ("0", "1"));
+}
+
+/// The frames of the screen are dealt out by hand, so that time is exact.
+#[test]
+fn playing_moves_the_chosen_number_of_steps_a_second_and_stops_at_the_end() {
+    let driven = Page::new().drive(
+        1000,
+        r#"
+        const state = page.document.documentElement.dataset;
+        let queue = [];
+        page.requestAnimationFrame = (frame) => queue.push(frame);
+        const run = (from, to) => { for (let t = from; t <= to; t += 50) queue.splice(0).forEach((frame) => frame(t)); };
+        page.document.querySelector('[data-do="play"]').click();
+        run(0, 1000); tell('second', state.step); tell('playing', state.playing);
+        run(1050, 11000); tell('end', state.step); tell('stopped', state.playing);
+        page.document.querySelector('[data-do="play"]').click();
+        run(20000, 20500); tell('again', state.step);
+        tell('errors', state.errors);
+        "#,
+    );
+    let expected =
+        [("second", "10"), ("playing", "1"), ("end", "100"), ("stopped", "0"), ("again", "5"), ("errors", "0")];
+    for (name, value) in expected {
+        assert_eq!(state(&driven, name), value, "{name}");
+    }
 }
 
 #[test]
