@@ -16,14 +16,18 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Train a policy, quantise it, measure it and write a report.
-    #[command(after_help = "Examples:\n  host-trainer train\n  host-trainer train --graph gat --seed 3 --out runs/gat3\n  \
+    #[command(
+        after_help = "Examples:\n  host-trainer train\n  host-trainer train --graph gat --seed 3 --out runs/gat3\n  \
         host-trainer train --config my.toml --set learning_rate=3e-4 --set entropy_end=0.001\n  \
-        host-trainer train --resume runs/gat3")]
+        host-trainer train --resume runs/gat3"
+    )]
     Train(Train),
     /// Measure a policy on held-out worlds.
-    #[command(after_help = "Examples:\n  host-trainer eval\n  host-trainer eval --policy centroid --uavs 5,10,20 --json\n  \
+    #[command(
+        after_help = "Examples:\n  host-trainer eval\n  host-trainer eval --policy centroid --uavs 5,10,20 --json\n  \
         host-trainer eval --model actor.postcard --scenario uniform --decide argmax\n  \
-        host-trainer eval --run runs/gcn-seed10 --float")]
+        host-trainer eval --run runs/gcn-seed10 --float"
+    )]
     Eval(Eval),
     /// Quantise the newest checkpoint of a run into an actor file.
     #[command(after_help = "Example:\n  host-trainer export runs/gcn-seed10 --out actor.postcard")]

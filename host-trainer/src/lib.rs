@@ -1,9 +1,13 @@
 //! Trains Covey's policy, quantises it and measures it.
 
+pub mod cli;
+pub mod commands;
+pub mod finish;
 pub mod float_actor;
+pub mod measure;
 pub mod net;
 pub mod quantise;
+pub mod report_page;
+pub mod run;
 pub mod settings;
 pub mod train;
-pub mod cli;
-pub mod run;

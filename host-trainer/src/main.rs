@@ -1,45 +1,26 @@
 //! Command line of the trainer.
 
-use host_trainer::settings::Settings;
-use host_trainer::train::{Trainer, Workers};
+use clap::Parser;
+use host_trainer::{cli::Cli, commands};
 
-fn main() {
-    // SAFETY: sets allocator parameters before any thread starts.
+fn main() -> miette::Result<()> {
+    tune_process();
+    commands::run(&Cli::parse().command)
+}
+
+/// Large tensors come and go thousands of times a second: glibc must not hand their
+/// memory back each time. And a closed pipe ends the program as it ends others.
+fn tune_process() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    // SAFETY: called before any thread starts, with documented parameters.
     unsafe {
         libc::mallopt(libc::M_MMAP_THRESHOLD, 1 << 30);
         libc::mallopt(libc::M_TRIM_THRESHOLD, i32::MAX);
         libc::mallopt(libc::M_TOP_PAD, 64 << 20);
     }
-    let mut s = Settings::default();
-    let mut threads = 2;
-    for a in std::env::args().skip(1) {
-        if let Some(t) = a.strip_prefix("threads=") {
-            threads = t.parse().unwrap();
-        } else {
-            s.set(&a).unwrap();
-        }
-    }
-    let workers = Workers::new(threads).unwrap();
-    let mut t = Trainer::new(s).unwrap();
-    let t0 = std::time::Instant::now();
-    while !t.done() {
-        let r = t.round(&workers);
-        println!(
-            "ep {} cov {:.4} last {:.4} en {:.3} ind {:.2} grp {:.2} rew {:.1} pl {:.4} vl {:.4} ent {:.3} kl {:.4} clip {:.3} ev {:.3} | {:.0} steps/s",
-            r.episodes,
-            r.coverage,
-            r.coverage_last,
-            r.energy,
-            r.individual,
-            r.group,
-            r.reward,
-            r.policy_loss,
-            r.value_loss,
-            r.entropy,
-            r.kl,
-            r.clip_fraction,
-            r.explained_variance,
-            r.agent_steps as f64 / t0.elapsed().as_secs_f64()
-        );
+    #[cfg(unix)]
+    // SAFETY: restores the default action of a signal, before any thread starts.
+    unsafe {
+        libc::signal(libc::SIGPIPE, libc::SIG_DFL);
     }
 }

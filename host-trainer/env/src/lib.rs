@@ -9,8 +9,8 @@
 //! computes it.
 #![forbid(unsafe_code)]
 
-mod assignment;
 mod actor_policy;
+mod assignment;
 pub mod baselines;
 mod bits;
 pub mod cover;

@@ -20,7 +20,9 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum QuantiseError {
     /// A weight or bias is infinite or not a number.
-    #[error("row {row} of the {layer} layer is not finite: training went wrong; resume from an earlier checkpoint with a lower learning_rate")]
+    #[error(
+        "row {row} of the {layer} layer is not finite: training went wrong; resume from an earlier checkpoint with a lower learning_rate"
+    )]
     NotFinite {
         /// Layer.
         layer: &'static str,
@@ -128,11 +130,8 @@ fn compose(
         }
         // One factor for all channels: combined features keep the features' scales,
         // times what the fullest channel needs. Sums are Q15.
-        let grown = ranges
-            .combined
-            .iter()
-            .zip(&feature)
-            .fold(1e-3, |m: f64, (&r, s)| m.max(f64::from(r) / (127.0 * s)));
+        let grown =
+            ranges.combined.iter().zip(&feature).fold(1e-3, |m: f64, (&r, s)| m.max(f64::from(r) / (127.0 * s)));
         aggregate_multiplier = ((1u64 << 17) as f64 / grown).round().min(f64::from(i32::MAX)) as i32;
         let combined: Vec<f64> = feature.iter().map(|s| s * grown).collect();
         let mut graph = scales(&ranges.graph, own);
@@ -211,8 +210,7 @@ fn with_self_tests(body: &Body<'_>, situations: &[Situation]) -> Result<Vec<u8>,
             let most = |&i: &usize| s.links[i].count;
             let i = if k % 2 == 0 { k % s.links.len() } else { (0..s.links.len()).max_by_key(most).unwrap_or(0) };
             let blank = Feature { values: [0; 64], attending: 0, attended: 0 };
-            let features: Vec<Feature> =
-                s.observations.iter().map(|o| actor.map_or(blank, |a| a.encode(o))).collect();
+            let features: Vec<Feature> = s.observations.iter().map(|o| actor.map_or(blank, |a| a.encode(o))).collect();
             let logits = actor.map_or([0; 17], |a| int8_logits(a, &features, s, i));
             let neighbours: Vec<NeighbourFeature<'_>> = s.links[i]
                 .as_slice()

@@ -64,9 +64,7 @@ impl RunFolder {
         if folder.config().exists() {
             return Err(FolderError::Taken(folder.0));
         }
-        let make = |path: PathBuf| {
-            std::fs::create_dir_all(&path).map_err(|source| FolderError::Make { path, source })
-        };
+        let make = |path: PathBuf| std::fs::create_dir_all(&path).map_err(|source| FolderError::Make { path, source });
         make(folder.checkpoints())?;
         atomic::write(folder.config(), settings.to_toml().as_bytes())?;
         Ok(folder)

@@ -12,5 +12,5 @@ pub use adam::Adam;
 pub use advantage::{ValueNorm, advantages};
 pub use ppo::log_softmax;
 pub use shard::{floats, pick};
-pub use trainer::{Row, State, Trainer};
+pub use trainer::{Row, Stage, State, Trainer};
 pub use workers::Workers;

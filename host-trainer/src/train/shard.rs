@@ -6,7 +6,7 @@ use crate::net::{ActorTensors, Batch, CriticTensors, actor_logits, critic_values
 use crate::settings::Settings;
 use burn::tensor::{Device, Tensor};
 use covey_env::{EpisodeMetrics, Links, Observer, World};
-use firmware_core::action::Action;
+use firmware_core::action::{ACTIONS, Action};
 use firmware_core::actor::Aggregation;
 use firmware_core::observation::{LEN, Observation};
 use firmware_core::random::action_draw;
@@ -135,6 +135,21 @@ impl Shard {
             }
         }
         self.estimate(s);
+    }
+
+    /// Plays a segment with uniformly random actions: the environment alone.
+    pub fn wander(&mut self, s: &Settings) {
+        let row = self.row();
+        for t in 0..self.steps {
+            for k in 0..row {
+                let (world, id) = (k / self.uavs, (k % self.uavs) as u16);
+                let draw = u64::from(action_draw(self.policy_seeds[world], id, self.worlds[world].steps_done()));
+                let index = ((draw * ACTIONS as u64) >> 32) as u8;
+                self.actions[t * row + k] = Action::new(index).unwrap_or(Action::COAST);
+            }
+            self.step(t, s);
+            self.observe((t + 1) * row);
+        }
     }
 
     /// Samples the actions of step `t`.

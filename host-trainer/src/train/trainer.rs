@@ -11,6 +11,7 @@ use crate::settings::Settings;
 use burn::tensor::Device;
 use covey_env::{EpisodeMetrics, ScenarioError};
 use serde::{Deserialize, Serialize};
+use std::time::{Duration, Instant};
 
 /// All that a run carries from round to round. Random numbers are drawn from streams
 /// named by the seed and the round, so no generator's state is part of it.
@@ -67,6 +68,61 @@ pub struct Row {
     pub explained_variance: f64,
     /// Learning rate.
     pub learning_rate: f64,
+}
+
+/// Title, label of the value axis, metric of the same name in evaluations, and value.
+type ChartOf = (&'static str, &'static str, &'static str, fn(&Row) -> f64);
+
+impl Row {
+    /// The curves of the paper's figures 5 to 10, then those that tell how learning goes.
+    pub const CHARTS: &[ChartOf] = &[
+        ("Episodic reward", "reward", "reward", |r| r.reward),
+        ("Coverage index", "share of PoIs", "coverage", |r| r.coverage),
+        ("Energy index", "0.5 hovering, 1 full speed", "energy", |r| r.energy),
+        ("Policy loss", "clipped surrogate", "", |r| r.policy_loss),
+        ("Individual covered PoIs", "PoIs a UAV", "individual", |r| r.individual),
+        ("Group covered PoIs", "PoIs a group", "group", |r| r.group),
+        ("Coverage, last step", "share of PoIs", "coverage_last", |r| r.coverage_last),
+        ("Entropy of the policy", "nats", "", |r| r.entropy),
+        ("Value loss", "of normalised returns", "", |r| r.value_loss),
+        ("Explained variance", "of returns", "", |r| r.explained_variance),
+        ("KL divergence", "nats", "", |r| r.kl),
+        ("Clip fraction", "share of samples", "", |r| r.clip_fraction),
+        ("Learning rate", "", "", |r| r.learning_rate),
+    ];
+
+    /// Tags and values for TensorBoard.
+    #[must_use]
+    pub fn curves(&self) -> [(&'static str, f64); 15] {
+        [
+            ("episode/reward", self.reward),
+            ("episode/coverage", self.coverage),
+            ("episode/coverage_last", self.coverage_last),
+            ("episode/energy", self.energy),
+            ("episode/individual", self.individual),
+            ("episode/group", self.group),
+            ("loss/policy", self.policy_loss),
+            ("loss/value", self.value_loss),
+            ("loss/entropy", self.entropy),
+            ("learning/kl", self.kl),
+            ("learning/clip_fraction", self.clip_fraction),
+            ("learning/actor_gradient", self.actor_gradient),
+            ("learning/critic_gradient", self.critic_gradient),
+            ("learning/explained_variance", self.explained_variance),
+            ("learning/learning_rate", self.learning_rate),
+        ]
+    }
+}
+
+/// A part of training that can be timed alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// The environment with observations, and random actions.
+    Environment,
+    /// Rollout: environment, actor, sampling, critic, advantages.
+    Policy,
+    /// The update on a segment that was played before.
+    Update,
 }
 
 /// A run in memory.
@@ -162,6 +218,30 @@ impl Trainer {
         }
         self.state.rounds += 1;
         self.row(&total, explained, rate)
+    }
+
+    /// Time of an episode's worth of one stage in every world. The state of the run
+    /// moves on as in training, except that [`Stage::Environment`] learns nothing.
+    pub fn time(&mut self, stage: Stage, workers: &Workers) -> Duration {
+        let s = self.settings.clone();
+        workers.run(self.shards.iter_mut().collect(), |k, shard| shard.reset(&s, k as u64));
+        let mut spent = Duration::ZERO;
+        for segment in 0..s.steps / s.segment {
+            let start = Instant::now();
+            match stage {
+                Stage::Environment => {
+                    workers.run(self.shards.iter_mut().collect(), |_, shard| shard.wander(&s));
+                }
+                Stage::Policy | Stage::Update => self.play(&s, workers),
+            }
+            let played = start.elapsed();
+            let start = Instant::now();
+            if stage == Stage::Update {
+                self.learn(&s, workers, u64::from(segment), 0.0, s.learning_rate);
+            }
+            spent += if stage == Stage::Update { start.elapsed() } else { played };
+        }
+        spent
     }
 
     /// Plays a segment in every world.

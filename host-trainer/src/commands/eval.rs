@@ -1,0 +1,70 @@
+//! `eval`: policies on held-out worlds.
+
+use super::inspect::load;
+use super::{read, use_threads};
+use crate::cli::{DecideArg, Eval};
+use crate::float_actor::FloatActor;
+use crate::measure::{EvalRow, Subject, Trial, agreement, table};
+use crate::run::RunFolder;
+use covey_env::Scenario;
+use firmware_core::actor::Mode;
+use miette::{IntoDiagnostic, Result, WrapErr, miette};
+
+/// The actor that comes with Covey.
+pub const SHIPPED: &[u8] = include_bytes!("../../actors/default.postcard");
+
+/// Measures and prints.
+///
+/// # Errors
+/// When the policy cannot be read or the worlds not be built.
+pub fn run(args: &Eval) -> Result<()> {
+    use_threads(args.threads);
+    if args.worlds < 2 {
+        return Err(miette!("--worlds {}: a standard error needs at least 2 worlds", args.worlds));
+    }
+    let mode = match args.decide {
+        DecideArg::Sample => Mode::Sample,
+        DecideArg::Argmax => Mode::Argmax,
+    };
+    let bytes = match (&args.model, &args.run) {
+        (Some(file), _) => read(file)?,
+        (_, Some(run)) => read(&RunFolder::open(run).into_diagnostic()?.actor())
+            .wrap_err("the run has no actor file yet; make one with `host-trainer export`")?,
+        _ => SHIPPED.to_vec(),
+    };
+    let float = match &args.run {
+        Some(run) if args.float => {
+            let (settings, checkpoint) = RunFolder::open(run).into_diagnostic()?.load().into_diagnostic()?;
+            Some(FloatActor::new(&settings, checkpoint.state.actor))
+        }
+        _ => None,
+    };
+    let mut rows = Vec::new();
+    for &uavs in &args.uavs {
+        let scenario = Scenario { uavs: usize::from(uavs), law: args.scenario.into(), ..Scenario::default() };
+        let trial = Trial { scenario, seed: args.seed, worlds: args.worlds, mode };
+        rows.extend(one(args, &bytes, float.as_ref(), &trial)?);
+    }
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(&rows).into_diagnostic()?);
+    } else {
+        print!("{}", table(&rows));
+    }
+    Ok(())
+}
+
+/// The rows for one number of UAVs.
+fn one(args: &Eval, bytes: &[u8], float: Option<&FloatActor>, trial: &Trial) -> Result<Vec<EvalRow>> {
+    if let Some(policy) = args.policy {
+        return Ok(vec![Subject::Written(policy).measure(policy.name(), trial).into_diagnostic()?]);
+    }
+    let actor = load(bytes)?;
+    let name = actor.aggregation().name();
+    let mut rows = vec![Subject::Int8(actor).measure(&format!("{name} int8"), trial).into_diagnostic()?];
+    if let Some(float) = float {
+        rows.push(Subject::Float(float).measure(&format!("{name} float"), trial).into_diagnostic()?);
+        let (agreeing, all) = agreement(&actor, float, trial).into_diagnostic()?;
+        eprintln!("argmax agreement {:.2} % over {all} decisions", 100.0 * agreeing as f64 / all as f64);
+    }
+    Ok(rows)
+}

@@ -1,0 +1,28 @@
+//! `export`: from a run's newest checkpoint to an actor file.
+
+use crate::cli::Export;
+use crate::finish::actor_file;
+use crate::run::RunFolder;
+use covey_report::atomic;
+use miette::{IntoDiagnostic, Result};
+
+/// Quantises and writes.
+///
+/// # Errors
+/// When the run cannot be read or the file not be written.
+pub fn run(args: &Export) -> Result<()> {
+    let folder = RunFolder::open(&args.run).into_diagnostic()?;
+    let (settings, checkpoint) = folder.load().into_diagnostic()?;
+    let done = actor_file(&settings, &checkpoint.state).into_diagnostic()?;
+    atomic::write(&args.out, &done.file).into_diagnostic()?;
+    println!(
+        "wrote {} ({} bytes): coverage {:.4} as int8, {:.4} as float, argmax agreement {:.2} %",
+        args.out.display(),
+        done.file.len(),
+        done.int8.coverage,
+        done.float.coverage,
+        100.0 * done.agreement
+    );
+    println!("next: host-trainer inspect {}", args.out.display());
+    Ok(())
+}

@@ -1,0 +1,88 @@
+//! What the commands do.
+
+mod bench;
+mod eval;
+mod export;
+mod inspect;
+mod report;
+mod train;
+
+use crate::cli::{Command, GraphArg, LawArg};
+use crate::settings::{KEYS, Settings};
+use covey_env::Law;
+use firmware_core::actor::Aggregation;
+use miette::{IntoDiagnostic, Result};
+use std::path::Path;
+
+pub use inspect::load as load_actor;
+
+/// Runs a command.
+///
+/// # Errors
+/// What went wrong and what to do about it.
+pub fn run(command: &Command) -> Result<()> {
+    match command {
+        Command::Train(a) => train::run(a),
+        Command::Eval(a) => eval::run(a),
+        Command::Export(a) => export::run(a),
+        Command::Inspect(a) => inspect::run(a),
+        Command::Report(a) => report::run(a),
+        Command::Bench(a) => bench::run(a),
+        Command::Settings => {
+            print!("{}", settings_page());
+            Ok(())
+        }
+    }
+}
+
+fn settings_page() -> String {
+    let mut out = String::from("# Settings of a training run with their defaults. Use with train --config.\n\n");
+    for key in KEYS {
+        for line in key.doc.lines() {
+            out += &format!("#{line}\n");
+        }
+        out += &format!("# {}\n{} = {}\n\n", key.allowed, key.name, (key.default)());
+    }
+    out
+}
+
+impl From<GraphArg> for Aggregation {
+    fn from(g: GraphArg) -> Self {
+        match g {
+            GraphArg::None => Self::None,
+            GraphArg::Gcn => Self::Gcn,
+            GraphArg::Gat => Self::Gat,
+        }
+    }
+}
+
+impl From<LawArg> for Law {
+    fn from(l: LawArg) -> Self {
+        match l {
+            LawArg::Clustered => Self::Clustered,
+            LawArg::Uniform => Self::Uniform,
+        }
+    }
+}
+
+/// Threads of the machine.
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
+}
+
+/// Sets the threads that evaluations use. A second call changes nothing.
+fn use_threads(threads: Option<usize>) {
+    // Fails only when the pool is there already, which is as good.
+    let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build_global();
+}
+
+/// Applies `--set` to settings and checks them.
+fn apply(settings: &mut Settings, assignments: &[String]) -> Result<()> {
+    assignments.iter().try_for_each(|a| settings.set(a)).into_diagnostic()?;
+    settings.check().into_diagnostic()
+}
+
+/// A file's bytes.
+fn read(path: &Path) -> Result<Vec<u8>> {
+    std::fs::read(path).map_err(|e| miette::miette!("cannot read {}: {e}", path.display()))
+}

@@ -1,0 +1,31 @@
+//! `report`: pages from run folders.
+
+use crate::cli::Report;
+use crate::report_page;
+use crate::run::RunFolder;
+use miette::{IntoDiagnostic, Result};
+use std::path::PathBuf;
+
+/// Writes the page.
+///
+/// # Errors
+/// When a run cannot be read or the page not be written.
+pub fn run(args: &Report) -> Result<()> {
+    let folders = args.runs.iter().map(|r| RunFolder::open(r).into_diagnostic()).collect::<Result<Vec<_>>>()?;
+    let path = match &folders[..] {
+        [one] => {
+            let page = report_page::page(one)?;
+            let path = args.out.clone().unwrap_or_else(|| one.report());
+            page.write(&path).into_diagnostic()?;
+            path
+        }
+        many => {
+            let page = report_page::compare(many)?;
+            let path = args.out.clone().unwrap_or_else(|| PathBuf::from("compare.html"));
+            page.write(&path).into_diagnostic()?;
+            path
+        }
+    };
+    println!("wrote {}", path.display());
+    Ok(())
+}

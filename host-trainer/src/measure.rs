@@ -1,0 +1,228 @@
+//! Policies on held-out worlds: the rows that `eval` prints and reports show.
+
+use crate::cli::PolicyArg;
+use crate::float_actor::{FloatActor, FloatPolicy, argmax};
+use crate::net::{ActorTensors, actor_logits};
+use crate::settings::law_name;
+use crate::train::floats;
+use covey_env::baselines::{Centroid, Greedy, Hover, Random};
+use covey_env::oracles::{FlyToSites, evaluate_parked};
+use covey_env::{ActorPolicy, EpisodeMetrics, Evaluation, Policy, Scenario, ScenarioError, World, evaluate};
+use firmware_core::action::Action;
+use firmware_core::actor::{Actor, Mode, argmax as int8_argmax};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// A policy that can be measured.
+pub enum Subject<'a> {
+    /// The on-board actor.
+    Int8(Actor<'a>),
+    /// The trained network in floats.
+    Float(&'a FloatActor),
+    /// A hand-written policy or an oracle.
+    Written(PolicyArg),
+}
+
+/// Worlds and manner of a measurement.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// Sizes of the worlds.
+    pub scenario: Scenario,
+    /// Seed of the worlds, and of what the policies draw.
+    pub seed: u64,
+    /// How many.
+    pub worlds: u32,
+    /// How actions are taken from logits.
+    pub mode: Mode,
+}
+
+/// A metric's mean over worlds and the standard error of it.
+macro_rules! row {
+    ($($metric:ident $error:ident $doc:literal;)*) => {
+        /// One row of `eval --json`.
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        pub struct EvalRow {
+            /// Whose figures.
+            pub policy: String,
+            /// Law of the PoIs.
+            pub scenario: String,
+            /// UAVs.
+            pub uavs: usize,
+            /// Held-out worlds.
+            pub worlds: u32,
+            /// Their seed.
+            pub seed: u64,
+            /// "sample" or "argmax"; "rule" for policies without logits.
+            pub decide: String,
+            $(
+                #[doc = $doc]
+                pub $metric: f64,
+                /// Standard error of the mean.
+                pub $error: f64,
+            )*
+        }
+
+        impl EvalRow {
+            fn new(policy: &str, trial: &Trial, decide: &str, mean: &EpisodeMetrics, se: &EpisodeMetrics) -> Self {
+                Self {
+                    policy: policy.to_owned(),
+                    scenario: law_name(trial.scenario.law).to_owned(),
+                    uavs: trial.scenario.uavs,
+                    worlds: trial.worlds,
+                    seed: trial.seed,
+                    decide: decide.to_owned(),
+                    $($metric: mean.$metric, $error: se.$metric,)*
+                }
+            }
+
+            /// Means and standard errors by name.
+            #[must_use]
+            pub fn metrics(&self) -> Vec<(&'static str, f64, f64)> {
+                vec![$((stringify!($metric), self.$metric, self.$error),)*]
+            }
+        }
+    };
+}
+
+row! {
+    coverage coverage_se "Coverage index.";
+    coverage_last coverage_last_se "Coverage after the last step.";
+    energy energy_se "Energy index.";
+    individual individual_se "PoIs that a UAV alone covers in its group.";
+    group group_se "PoIs that its group covers.";
+    reward reward_se "Episodic reward.";
+    fairness fairness_se "Jain's index of the time each PoI was covered.";
+}
+
+/// Name of a mode in rows.
+#[must_use]
+pub const fn mode_name(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Sample => "sample",
+        Mode::Argmax => "argmax",
+    }
+}
+
+impl PolicyArg {
+    /// Its name in rows.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Random => "random",
+            Self::Hover => "hover",
+            Self::Greedy => "greedy",
+            Self::Centroid => "centroid",
+            Self::Oracle => "oracle",
+            Self::Parked => "parked",
+        }
+    }
+}
+
+/// Seed of the on-board random numbers in held-out world `index`.
+#[must_use]
+pub const fn policy_seed(seed: u64, index: u64) -> u64 {
+    (seed ^ 0x6576_616c).wrapping_add(index.wrapping_mul(0x9e37_79b9_7f4a_7c15))
+}
+
+impl Subject<'_> {
+    fn decide(&self, mode: Mode) -> &'static str {
+        match self {
+            Self::Written(_) => "rule",
+            _ => mode_name(mode),
+        }
+    }
+
+    /// Measures it; `name` goes into the row.
+    ///
+    /// # Errors
+    /// When the scenario cannot be built.
+    pub fn measure(&self, name: &str, trial: &Trial) -> Result<EvalRow, ScenarioError> {
+        let evaluation = self.evaluate(trial)?;
+        Ok(EvalRow::new(name, trial, self.decide(trial.mode), &evaluation.mean(), &evaluation.standard_error()))
+    }
+
+    fn evaluate(&self, trial: &Trial) -> Result<Evaluation, ScenarioError> {
+        let (scenario, seed, worlds) = (&trial.scenario, trial.seed, u64::from(trial.worlds));
+        match self {
+            Self::Written(PolicyArg::Parked) => evaluate_parked(scenario, seed, worlds),
+            Self::Float(actor) => {
+                let tensors = actor.tensors();
+                evaluate(scenario, seed, worlds, |i| {
+                    FloatPolicy::new(actor, &tensors, policy_seed(seed, i), trial.mode)
+                })
+            }
+            _ => evaluate(scenario, seed, worlds, |i| self.policy(trial, i)),
+        }
+    }
+
+    /// A policy object for held-out world `index`. Parked UAVs hover: their sites are set
+    /// by the measurement.
+    fn policy(&self, trial: &Trial, index: u64) -> Box<dyn Policy + '_> {
+        match self {
+            Self::Int8(actor) => Box::new(ActorPolicy::new(*actor, policy_seed(trial.seed, index), trial.mode)),
+            Self::Written(PolicyArg::Random) => Box::new(Random::new(trial.seed, index)),
+            Self::Written(PolicyArg::Greedy) => Box::new(Greedy::new()),
+            Self::Written(PolicyArg::Centroid) => Box::new(Centroid::new(trial.seed, index)),
+            Self::Written(PolicyArg::Oracle) => Box::new(FlyToSites::new()),
+            Self::Written(PolicyArg::Hover | PolicyArg::Parked) | Self::Float(_) => Box::new(Hover),
+        }
+    }
+}
+
+/// Decisions in which the int8 actor's greatest logit is that of the float policy in the
+/// very same situation, and all decisions: the int8 actor flies the trial's worlds.
+///
+/// # Errors
+/// When the scenario cannot be built.
+pub fn agreement(int8: &Actor<'_>, float: &FloatActor, trial: &Trial) -> Result<(u64, u64), ScenarioError> {
+    let fresh = World::new(&trial.scenario)?;
+    let tensors = float.tensors();
+    let flown = (0..u64::from(trial.worlds)).into_par_iter().map(|index| {
+        let mut world = fresh.clone();
+        world.reset(trial.seed, index);
+        let seed = policy_seed(trial.seed, index);
+        let mut own = ActorPolicy::new(*int8, seed, trial.mode);
+        let mut other = FloatPolicy::new(float, &tensors, seed, trial.mode);
+        let mut actions = vec![Action::COAST; trial.scenario.uavs];
+        let mut agreeing = 0;
+        while !world.done() {
+            own.look(&world);
+            let logits = floats(actor_logits(&ActorTensors::new(&tensors, float.aggregation), &other.look(&world)));
+            for (i, (row, action)) in logits.chunks_exact(17).zip(&mut actions).enumerate() {
+                let mine = own.logits(i);
+                agreeing += u64::from(int8_argmax(&mine) == argmax(row));
+                *action = own.choose(&mine, i, world.steps_done());
+            }
+            world.step(&actions);
+        }
+        (agreeing, u64::from(trial.scenario.steps) * trial.scenario.uavs as u64)
+    });
+    Ok(flown.reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1)))
+}
+
+/// A table of rows for people.
+#[must_use]
+pub fn table(rows: &[EvalRow]) -> String {
+    let mut out = format!(
+        "{:<12} {:<10} {:>5}  {:<7} {:>14} {:>8} {:>7} {:>11} {:>7} {:>12}\n",
+        "policy", "scenario", "uavs", "decide", "coverage", "last", "energy", "individual", "group", "reward"
+    );
+    for r in rows {
+        out += &format!(
+            "{:<12} {:<10} {:>5}  {:<7} {:>6.4} ±{:.4} {:>9.4} {:>7.3} {:>11.2} {:>7.2} {:>6.1} ±{:.1}\n",
+            r.policy,
+            r.scenario,
+            r.uavs,
+            r.decide,
+            r.coverage,
+            r.coverage_se,
+            r.coverage_last,
+            r.energy,
+            r.individual,
+            r.group,
+            r.reward,
+            r.reward_se
+        );
+    }
+    out
+}
