@@ -1,6 +1,6 @@
 //! Files that are either the old ones or the new ones, never half.
 //!
-//! [`write`] puts the bytes in a temporary file of the same folder, syncs it,
+//! [`write()`] puts the bytes in a temporary file of the same folder, syncs it,
 //! renames it over the target and syncs the folder. A crash, a full disk or a
 //! power cut at any moment leaves the target whole.
 
@@ -75,7 +75,7 @@ impl Disk for RealDisk {
     }
 }
 
-/// What [`write`] was doing when it failed.
+/// What [`write()`] was doing when it failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Making the temporary file.
@@ -156,10 +156,10 @@ pub fn write(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), WriteError> {
     write_on(&RealDisk, path.as_ref(), bytes)
 }
 
-/// As [`write`], on a disk of the caller's choice.
+/// As [`write()`], on a disk of the caller's choice.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_on<D: Disk>(disk: &D, path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     let error = |stage, source| WriteError { path: path.into(), stage, source };
     let Some(temporary) = temporary_beside(path) else {

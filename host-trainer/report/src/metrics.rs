@@ -8,6 +8,7 @@
 //! To make a resumed run's file the same to the byte, keep wall-clock times out of
 //! the rows and call [`MetricsLog::sync`] before each checkpoint is written.
 
+use std::fmt;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -64,10 +65,24 @@ pub enum MetricsError {
     },
 }
 
+/// What the log needs of its file, so that a test can fill the disk.
+trait Medium: Read + Write + Seek + Send {
+    fn set_len(&self, length: u64) -> io::Result<()>;
+    fn sync_data(&self) -> io::Result<()>;
+}
+
+impl Medium for File {
+    fn set_len(&self, length: u64) -> io::Result<()> {
+        Self::set_len(self, length)
+    }
+    fn sync_data(&self) -> io::Result<()> {
+        Self::sync_data(self)
+    }
+}
+
 /// Appends rows to a metrics file.
-#[derive(Debug)]
 pub struct MetricsLog {
-    file: File,
+    file: Box<dyn Medium>,
     path: PathBuf,
     /// Complete rows in the file.
     rows: u64,
@@ -86,7 +101,7 @@ impl MetricsLog {
         let path = path.into();
         let opened = OpenOptions::new().read(true).write(true).create_new(true).open(&path);
         match opened {
-            Ok(file) => Ok(Self { file, path, rows: 0, length: 0, line: Vec::new() }),
+            Ok(file) => Ok(Self::on(Box::new(file), path)),
             Err(source) => Err(file_error("create", &path, source)),
         }
     }
@@ -100,9 +115,13 @@ impl MetricsLog {
         let path = path.into();
         let opened = OpenOptions::new().read(true).write(true).open(&path);
         let file = opened.map_err(|e| file_error("open", &path, e))?;
-        let mut log = Self { file, path, rows: 0, length: 0, line: Vec::new() };
+        let mut log = Self::on(Box::new(file), path);
         log.truncate_to(rows)?;
         Ok(log)
+    }
+
+    fn on(file: Box<dyn Medium>, path: PathBuf) -> Self {
+        Self { file, path, rows: 0, length: 0, line: Vec::new() }
     }
 
     /// Adds one row and hands it to the operating system at once.
@@ -163,6 +182,12 @@ impl MetricsLog {
     }
 }
 
+impl fmt::Debug for MetricsLog {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("MetricsLog").field("path", &self.path).field("rows", &self.rows).finish_non_exhaustive()
+    }
+}
+
 /// Reads every complete row. A last line without a newline is no row yet and is
 /// left out: the run may still be writing it, or was killed while it did.
 ///
@@ -215,5 +240,63 @@ pub mod nan_as_null {
     /// When there is something else.
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
         Ok(Option::<f64>::deserialize(deserializer)?.unwrap_or(f64::NAN))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    /// A file on a disk with room for so many more bytes.
+    struct SmallDisk {
+        file: File,
+        room: Cell<u64>,
+    }
+
+    impl Read for SmallDisk {
+        fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+            self.file.read(bytes)
+        }
+    }
+
+    impl Seek for SmallDisk {
+        fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+            self.file.seek(to)
+        }
+    }
+
+    impl Write for SmallDisk {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            let n = bytes.len().min(self.room.get() as usize);
+            self.room.set(self.room.get() - n as u64);
+            if n == 0 { Err(io::ErrorKind::StorageFull.into()) } else { self.file.write(&bytes[..n]) }
+        }
+        fn flush(&mut self) -> io::Result<()> {
+            self.file.flush()
+        }
+    }
+
+    impl Medium for SmallDisk {
+        fn set_len(&self, length: u64) -> io::Result<()> {
+            self.room.set(self.room.get() + self.file.metadata()?.len() - length);
+            self.file.set_len(length)
+        }
+        fn sync_data(&self) -> io::Result<()> {
+            self.file.sync_data()
+        }
+    }
+
+    #[test]
+    fn a_full_disk_leaves_whole_rows_and_the_next_row_starts_on_its_own_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("metrics.jsonl");
+        let file = OpenOptions::new().read(true).write(true).create_new(true).open(&path).unwrap();
+        let mut log = MetricsLog::on(Box::new(SmallDisk { file, room: Cell::new(9) }), path.clone());
+        log.append(&[1, 2]).unwrap();
+        let error = log.append(&[3, 4]).unwrap_err();
+        assert!(error.to_string().contains("Free space on the disk"), "{error}");
+        log.append(&7).unwrap();
+        assert_eq!((std::fs::read_to_string(&path).unwrap().as_str(), log.rows()), ("[1,2]\n7\n", 2));
     }
 }

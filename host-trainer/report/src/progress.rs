@@ -72,9 +72,6 @@ enum Sink {
 
 impl Progress {
     /// Of a run of `total` episodes.
-    ///
-    /// # Panics
-    /// Never: the bar's template is fixed and tested.
     #[must_use]
     pub fn new(mode: Mode, total: u64) -> Self {
         match mode {

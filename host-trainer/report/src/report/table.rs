@@ -118,7 +118,10 @@ fn decimals_of_error(error: f64, decimals: usize) -> usize {
 /// Roles are spelt out because on a phone the rows are laid out as cards, which
 /// takes the table's own roles away.
 pub(super) fn html(table: &Table) -> String {
-    let mut out = String::from("<div class=\"table\"><table role=\"table\"><thead role=\"rowgroup\"><tr role=\"row\">");
+    // Many columns become cards on a tablet already.
+    let wide = if table.columns.len() > 7 { " wide" } else { "" };
+    let mut out = format!("<div class=\"table{wide}\">");
+    out.push_str("<table role=\"table\"><thead role=\"rowgroup\"><tr role=\"row\">");
     let _ = write!(out, "<th role=\"columnheader\" scope=\"col\">{}</th>", Escaped(&table.corner));
     for column in &table.columns {
         let unit =
@@ -140,7 +143,8 @@ pub(super) fn html(table: &Table) -> String {
                 }
                 Some(Cell::Value(value)) => ("", value.html()),
             };
-            let name = Escaped(&column.name);
+            let name = format!("{} {}", column.name, column.unit);
+            let name = Escaped(name.trim_end());
             let _ = write!(out, "<td role=\"cell\" data-label=\"{name}\"{class}><span>{content}</span></td>");
         }
         out += "</tr>";
