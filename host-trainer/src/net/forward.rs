@@ -23,11 +23,11 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// A batch from `links.len()/uavs` world-steps; `observations` holds 140 numbers for
-    /// every entry of `links`.
+    /// A batch of `links.len()/uavs` world-steps: an observation and the neighbours of
+    /// every UAV.
     #[must_use]
     pub fn new(
-        observations: Vec<f32>,
+        observations: &[Observation],
         links: &[Links],
         uavs: usize,
         aggregation: Aggregation,

@@ -5,8 +5,8 @@
 //! nothing on board.
 
 use super::QuantiseError;
-use firmware_core::actor::layer::{MAX_BIAS, WIDE_SHIFT};
-use firmware_core::kernel::pack;
+use firmware_core::actor::layer::MAX_BIAS;
+use firmware_core::kernel::{WIDE_SHIFT, pack};
 
 /// Logits and attention scores are in 1/256 of a doubling: log₂e·2⁸ a nat.
 pub const WIDE_UNITS: f64 = std::f64::consts::LOG2_E * 256.0;
