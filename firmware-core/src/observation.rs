@@ -158,11 +158,12 @@ pub fn observe(scene: &Scene<'_>, pois: impl IntoIterator<Item = Vec2>) -> Obser
         ]);
     }
     for (slot, p) in far.chunks_exact_mut(PER_POI).zip(&nearest) {
+        let offset = p.offset();
         slot.copy_from_slice(&[
             127,
-            ratio::<VIEW>(p.offset.x),
-            ratio::<VIEW>(p.offset.y),
-            if p.claimed { 127 } else { 0 },
+            ratio::<VIEW>(offset.x),
+            ratio::<VIEW>(offset.y),
+            if p.claimed() { 127 } else { 0 },
         ]);
     }
     out
@@ -170,10 +171,31 @@ pub fn observe(scene: &Scene<'_>, pois: impl IntoIterator<Item = Vec2>) -> Obser
 
 const VIEW: i32 = OBSERVATION_RANGE_U * TICKS_PER_U;
 
-struct SeenPoi {
-    d2: u32,
-    offset: Vec2,
-    claimed: bool,
+/// A PoI in view, packed so that one comparison orders by distance and then by offset:
+/// d² (28 bits), Δx + 2¹⁴ and Δy + 2¹⁴ (15 bits each), claimed (1 bit).
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct SeenPoi(u64);
+
+impl SeenPoi {
+    const AXIS_BITS: u32 = 15;
+    const BIAS: i32 = 1 << (Self::AXIS_BITS - 1);
+
+    /// `offset` lies within the view and `d2` is its squared length.
+    fn new(offset: Vec2, d2: u32, claimed: bool) -> Self {
+        // |Δ| ≤ 13·1,024 < 2¹⁴, so both fit their bits, and d² < 2²⁸.
+        let axis = |t: i32| u64::from((t + Self::BIAS).unsigned_abs());
+        let order = (u64::from(d2) << Self::AXIS_BITS) | axis(offset.x);
+        Self((((order << Self::AXIS_BITS) | axis(offset.y)) << 1) | u64::from(claimed))
+    }
+
+    fn claimed(self) -> bool {
+        self.0 & 1 == 1
+    }
+
+    fn offset(self) -> Vec2 {
+        let axis = |shift: u32| ((self.0 >> shift) & ((1 << Self::AXIS_BITS) - 1)) as i32 - Self::BIAS;
+        Vec2 { x: axis(1 + Self::AXIS_BITS), y: axis(1) }
+    }
 }
 
 /// The nearest PoIs in view, nearest first (equal distances by offset), the number in
@@ -187,24 +209,30 @@ fn nearest_pois(scene: &Scene<'_>, pois: impl IntoIterator<Item = Vec2>) -> (Vec
         let claimed = is_claimed(offset, scene.neighbours.as_slice());
         in_view += 1;
         unclaimed += i32::from(!claimed);
-        insert_nearest(&mut nearest, SeenPoi { d2, offset, claimed });
+        insert_nearest(&mut nearest, SeenPoi::new(offset, d2, claimed));
     }
     (nearest, in_view, unclaimed)
 }
 
+/// Whether a neighbour covers the PoI at this offset, which lies within the view.
 fn is_claimed(poi: Vec2, neighbours: &[Neighbour]) -> bool {
-    neighbours.iter().any(|n| (poi - n.offset).within(COVERAGE_RANGE_U * TICKS_PER_U).is_some())
+    const COVER2: i32 = (COVERAGE_RANGE_U * TICKS_PER_U) * (COVERAGE_RANGE_U * TICKS_PER_U);
+    neighbours.iter().any(|n| {
+        // On each axis at most (13 + 18)·1,024 = 31,744 ticks, so the sum of squares
+        // stays below 2³¹.
+        let (x, y) = (poi.x - n.offset.x, poi.y - n.offset.y);
+        x * x + y * y <= COVER2
+    })
 }
 
 fn insert_nearest(nearest: &mut Vec<SeenPoi, SEEN_POIS>, p: SeenPoi) {
-    let before = |o: &SeenPoi| (p.d2, p.offset) < (o.d2, o.offset);
     if nearest.is_full() {
         match nearest.last() {
-            Some(last) if before(last) => nearest.pop(),
+            Some(last) if p < *last => nearest.pop(),
             _ => return,
         };
     }
-    let at = nearest.iter().rposition(|o| !before(o)).map_or(0, |i| i + 1);
+    let at = nearest.iter().rposition(|o| *o <= p).map_or(0, |i| i + 1);
     // Not full and `at <= len`, so this always succeeds.
     let _ = nearest.insert(at, p);
 }
@@ -223,3 +251,124 @@ fn ratio_of(a: i32, scale: i32) -> i8 {
 
 /// Greatest half side of a map, ticks (8,192 u); larger ones are taken as this.
 pub const HALF_SIDE_LIMIT: i32 = 1 << 23;
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::geometry::MAP_SIDE_U;
+    use proptest::prelude::*;
+    use std::vec::Vec as List;
+
+    const SIDE: i32 = MAP_SIDE_U as i32 * TICKS_PER_U;
+
+    /// The module's table, word for word, in wide and floating numbers.
+    fn naive(scene: &Scene<'_>, pois: &[Vec2]) -> List<i8> {
+        let scaled = |v: i64, scale: i64| {
+            let r = (v.abs() * 127 + scale / 2) / scale * v.signum();
+            r.clamp(-127, 127) as i8
+        };
+        let d2 = |v: Vec2| i64::from(v.x).pow(2) + i64::from(v.y).pow(2);
+        let u = |n: i32| i64::from(n) * i64::from(TICKS_PER_U);
+        let neighbours = scene.neighbours.as_slice();
+        let mut seen: List<(i64, Vec2, bool)> = pois
+            .iter()
+            .map(|&p| p - scene.own.position)
+            .filter(|&o| d2(o) <= u(13).pow(2))
+            .map(|o| (d2(o), o, neighbours.iter().any(|n| d2(o - n.offset) <= u(10).pow(2))))
+            .collect();
+        seen.sort();
+        let free = seen.iter().filter(|p| !p.2).count();
+        let half = i64::from(scene.half_side);
+        let (own, v) = (scene.own.position, scene.own.velocity);
+        let mut out = List::from([
+            scaled(i64::from(own.x) - half, half),
+            scaled(i64::from(own.y) - half, half),
+            scaled(v.x.into(), u(4)),
+            scaled(v.y.into(), u(4)),
+            scene.tie.max(-127),
+            scaled(neighbours.len() as i64, 16),
+            scaled(seen.len() as i64, 48),
+            scaled(free as i64, 48),
+        ]);
+        for n in neighbours.iter().take(6) {
+            let first = scene.tie > n.tie || scene.tie == n.tie && scene.id > n.id;
+            let (o, v) = (n.offset, n.velocity);
+            out.extend([127, scaled(o.x.into(), u(18)), scaled(o.y.into(), u(18))]);
+            out.extend([scaled(v.x.into(), u(4)), scaled(v.y.into(), u(4)), if first { 127 } else { -127 }]);
+        }
+        out.resize(44, 0);
+        for &(_, o, claimed) in seen.iter().take(24) {
+            out.extend([127, scaled(o.x.into(), u(13)), scaled(o.y.into(), u(13)), if claimed { 127 } else { 0 }]);
+        }
+        out.resize(LEN, 0);
+        out
+    }
+
+    fn near(range_u: i32) -> impl Strategy<Value = Vec2> {
+        let t = range_u * TICKS_PER_U;
+        // Whole units too, so that distances repeat and limits are met exactly.
+        let whole = (-range_u..=range_u, -range_u..=range_u)
+            .prop_map(|(x, y)| Vec2::from_ticks(x * TICKS_PER_U, y * TICKS_PER_U));
+        prop_oneof![(-t..=t, -t..=t).prop_map(|(x, y)| Vec2::from_ticks(x, y)), whole]
+    }
+
+    fn neighbour() -> impl Strategy<Value = Neighbour> {
+        (0u16..30, near(20), near(4), any::<i8>()).prop_map(|(id, offset, velocity, tie)| Neighbour {
+            id,
+            offset,
+            velocity,
+            tie,
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn an_observation_is_what_the_table_says(
+            (x, y) in (0..=SIDE, 0..=SIDE),
+            velocity in near(5),
+            (id, tie) in (0u16..30, any::<i8>()),
+            around in prop::collection::vec(neighbour(), 0..24),
+            offsets in prop::collection::vec(near(15), 0..70),
+            turn in any::<prop::sample::Index>(),
+        ) {
+            let position = Vec2::from_ticks(x, y);
+            let mut neighbours = Neighbours::new();
+            around.iter().for_each(|&n| neighbours.offer(n));
+            let own = State { position, velocity };
+            let scene = Scene { id, own, tie, half_side: SIDE / 2, neighbours: &neighbours };
+            let mut pois: List<_> = offsets.iter().map(|&o| position + o).collect();
+            let got = observe(&scene, pois.iter().copied());
+            prop_assert_eq!(&got[..], &naive(&scene, &pois)[..]);
+            // Neither the order of the PoIs nor that of the neighbours shows.
+            pois.reverse();
+            let at = if pois.is_empty() { 0 } else { turn.index(pois.len()) };
+            pois.rotate_left(at);
+            prop_assert_eq!(got, observe(&scene, pois.iter().copied()));
+            let mut again = Neighbours::new();
+            around.iter().rev().for_each(|&n| again.offer(n));
+            let distinct: std::collections::BTreeSet<_> = around.iter().map(Neighbour::key).collect();
+            prop_assume!(distinct.len() == around.len());
+            prop_assert_eq!(neighbours.as_slice(), again.as_slice());
+        }
+
+        #[test]
+        fn the_nearest_neighbours_in_range_are_kept(around in prop::collection::vec(neighbour(), 0..40)) {
+            let mut neighbours = Neighbours::new();
+            around.iter().for_each(|&n| neighbours.offer(n));
+            let mut expected = around;
+            expected.retain(|n| n.offset.within(RANGE).is_some());
+            expected.sort_by_key(Neighbour::key);
+            expected.truncate(MAX_NEIGHBOURS);
+            let keys = |l: &[Neighbour]| l.iter().map(Neighbour::key).collect::<List<_>>();
+            prop_assert_eq!(keys(neighbours.as_slice()), keys(&expected));
+        }
+
+        #[test]
+        fn packing_a_poi_loses_nothing(offset in near(13), claimed: bool) {
+            prop_assume!(offset.within(VIEW).is_some());
+            let p = SeenPoi::new(offset, offset.within(VIEW).unwrap_or(0), claimed);
+            prop_assert_eq!((p.offset(), p.claimed()), (offset, claimed));
+        }
+    }
+}

@@ -27,7 +27,7 @@ impl Evaluation {
     #[must_use]
     pub fn standard_error(&self) -> EpisodeMetrics {
         let n = self.worlds.len() as f64;
-        let squares = self.sums(|v, mean| (v - mean).powi(2));
+        let squares = self.sums(|v, mean| (v - mean) * (v - mean));
         EpisodeMetrics::from_values(squares.map(|s| (s / (n - 1.0) / n).sqrt()))
     }
 

@@ -81,7 +81,7 @@ impl CellGrid {
     /// Cell along an axis; the edge cells reach to infinity.
     fn axis(&self, u: f32) -> usize {
         // The cast saturates at 0.
-        ((u * self.per_u) as usize).min(self.cells - 1)
+        ((u * self.per_u) as u32 as usize).min(self.cells - 1)
     }
 }
 

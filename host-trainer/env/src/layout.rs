@@ -59,7 +59,9 @@ fn centres(rng: &mut ChaCha8Rng, side: f64) -> [(f64, f64); CENTRES] {
     // Two centres forbid less than four fifths of the square, so this ends.
     while placed < CENTRES {
         let c = (between(rng, low, high), between(rng, low, high));
-        let free = |o: &(f64, f64)| (c.0 - o.0).hypot(c.1 - o.1) >= CENTRE_SPACING * side;
+        let least = (CENTRE_SPACING * side) * (CENTRE_SPACING * side);
+        let d2 = |o: &(f64, f64)| (c.0 - o.0) * (c.0 - o.0) + (c.1 - o.1) * (c.1 - o.1);
+        let free = |o: &(f64, f64)| d2(o) >= least;
         if out.iter().take(placed).all(free) {
             out[placed] = c;
             placed += 1;

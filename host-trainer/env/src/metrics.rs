@@ -50,7 +50,7 @@ impl EpisodeMetrics {
 }
 
 /// Sums from which the metrics follow.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Totals {
     steps: u32,
     covered: u64,
@@ -94,7 +94,7 @@ impl Totals {
 /// Jain's index of non-negative numbers, 0 when all are zero.
 fn jain(times: &[u32]) -> f64 {
     let sum: f64 = times.iter().map(|&t| f64::from(t)).sum();
-    let squares: f64 = times.iter().map(|&t| f64::from(t).powi(2)).sum();
+    let squares: f64 = times.iter().map(|&t| f64::from(t) * f64::from(t)).sum();
     if squares == 0.0 { 0.0 } else { sum * sum / (times.len() as f64 * squares) }
 }
 

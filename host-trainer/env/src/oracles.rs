@@ -4,6 +4,7 @@ use crate::assignment::assign;
 use crate::baselines::Hover;
 use crate::cover::best_sites;
 use crate::evaluate::{Evaluation, evaluate_with};
+use crate::plane::distance;
 use crate::policy::Policy;
 use crate::scenario::{Scenario, ScenarioError};
 use crate::steering::toward;
@@ -51,8 +52,8 @@ fn targets(world: &World) -> Vec<(f32, f32)> {
     let uavs = world.scenario().uavs;
     let mut targets: Vec<_> = (0..uavs).map(|i| world.position(i)).collect();
     let spawn = targets.clone();
-    let distance = |s: usize, i: usize| f64::from((sites[s].0 - spawn[i].0).hypot(sites[s].1 - spawn[i].1));
-    for (site, uav) in assign(sites.len(), uavs, distance).into_iter().enumerate() {
+    let cost = |s: usize, i: usize| f64::from(distance(sites[s], spawn[i]));
+    for (site, uav) in assign(sites.len(), uavs, cost).into_iter().enumerate() {
         targets[uav] = sites[site];
     }
     targets

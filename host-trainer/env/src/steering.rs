@@ -1,5 +1,6 @@
 //! From a place to an action.
 
+use crate::plane::{distance, squared};
 use firmware_core::action::Action;
 use firmware_core::geometry::SPEED_CAP_U;
 
@@ -8,7 +9,7 @@ use firmware_core::geometry::SPEED_CAP_U;
 /// ones: the first.
 pub(crate) fn toward(offset: (f32, f32), velocity: (f32, f32)) -> Action {
     let cap = SPEED_CAP_U as f32;
-    let length = libm::sqrtf(offset.0 * offset.0 + offset.1 * offset.1);
+    let length = distance(offset, (0.0, 0.0));
     let k = if length > cap { cap / length } else { 1.0 };
     nearest((offset.0 * k, offset.1 * k), velocity)
 }
@@ -17,8 +18,7 @@ pub(crate) fn toward(offset: (f32, f32), velocity: (f32, f32)) -> Action {
 pub(crate) fn nearest(wanted: (f32, f32), velocity: (f32, f32)) -> Action {
     let mut best = (Action::COAST, f32::INFINITY);
     for action in Action::all() {
-        let (vx, vy) = action.next_velocity(velocity);
-        let miss = (vx - wanted.0).powi(2) + (vy - wanted.1).powi(2);
+        let miss = squared(action.next_velocity(velocity), wanted);
         if miss < best.1 {
             best = (action, miss);
         }

@@ -70,6 +70,16 @@ pub enum LayoutError {
         /// Side of the map, u.
         side_u: f32,
     },
+    /// A velocity that is not a number, or not finite.
+    #[error("snapshot gives UAV {index} the velocity ({vx}, {vy}), which is not finite")]
+    Velocity {
+        /// Which one.
+        index: usize,
+        /// Its velocity, u/step.
+        vx: f32,
+        /// Its velocity, u/step.
+        vy: f32,
+    },
 }
 
 impl World {
@@ -187,7 +197,7 @@ impl World {
     }
 
     /// Links, groups and scores of the present positions and velocities.
-    fn refresh(&mut self) {
+    pub(crate) fn refresh(&mut self) {
         for (e, (&vx, &vy)) in self.score.energy.iter_mut().zip(self.vx.iter().zip(&self.vy)) {
             *e = Score::energy_of(vx, vy);
         }

@@ -1,6 +1,7 @@
 //! The centroid heuristic: fly to the middle of the PoIs that no neighbour covers, and
 //! away from the neighbours.
 
+use crate::plane::{distance, squared};
 use crate::policy::Policy;
 use crate::random::{between, stream};
 use crate::steering::toward;
@@ -52,8 +53,7 @@ impl Policy for Centroid {
         for (i, action) in actions.iter_mut().enumerate() {
             let (x, y) = world.position(i);
             let pull = pull_of_unclaimed(world, i).unwrap_or_else(|| {
-                let (wx, wy) = self.waypoints[i];
-                if (wx - x).hypot(wy - y) < REACHED_U {
+                if distance(self.waypoints[i], (x, y)) < REACHED_U {
                     self.waypoints[i] = self.waypoint(world.scenario().side_u);
                 }
                 let (wx, wy) = self.waypoints[i];
@@ -72,10 +72,7 @@ fn pull_of_unclaimed(world: &World, i: usize) -> Option<(f32, f32)> {
     let (mut sum, mut count) = ((0.0, 0.0), 0.0);
     for p in world.pois_within(x, y, OBSERVATION_RANGE_U as f32) {
         let (px, py) = (world.poi_x()[p], world.poi_y()[p]);
-        let claimed = world.neighbours(i).iter().any(|&j| {
-            let (jx, jy) = world.position(usize::from(j));
-            (jx - px).powi(2) + (jy - py).powi(2) <= RANGE2
-        });
+        let claimed = world.neighbours(i).iter().any(|&j| squared(world.position(usize::from(j)), (px, py)) <= RANGE2);
         if !claimed {
             sum = (sum.0 + px - x, sum.1 + py - y);
             count += 1.0;
@@ -90,7 +87,7 @@ fn push_of_neighbours(world: &World, i: usize) -> (f32, f32) {
     let mut push = (0.0, 0.0);
     for &j in world.neighbours(i) {
         let (jx, jy) = world.position(usize::from(j));
-        let d = (x - jx).hypot(y - jy);
+        let d = distance((x, y), (jx, jy));
         // On the same spot there is no direction away.
         if d > 0.0 {
             let k = PUSH * (COMMUNICATION_RANGE_U as f32 - d) / d;

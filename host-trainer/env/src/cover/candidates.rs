@@ -6,6 +6,9 @@ pub(crate) type Set = Vec<u32>;
 /// Slack of the geometry in f64, u: two PoIs on a disc's edge count as on it.
 const EDGE: f64 = 1e-9;
 
+/// Centre and radius.
+type Disc = ((f64, f64), f64);
+
 /// Every maximal set of points that one disc of radius `r` covers. A disc that covers
 /// several points can be moved, without losing one, until two of them lie on its edge;
 /// so the discs through two points, and those around one point, are all there are.
@@ -25,7 +28,7 @@ pub(crate) fn maximal_sets(points: &[(f64, f64)], r: f64) -> Vec<Set> {
 
 fn covered_from(points: &[(f64, f64)], (x, y): (f64, f64), r: f64) -> Set {
     let limit = (r + EDGE) * (r + EDGE);
-    let near = |&(px, py): &(f64, f64)| (px - x).powi(2) + (py - y).powi(2) <= limit;
+    let near = |&(px, py): &(f64, f64)| (px - x) * (px - x) + (py - y) * (py - y) <= limit;
     points.iter().enumerate().filter(|(_, p)| near(p)).map(|(i, _)| i as u32).collect()
 }
 
@@ -61,11 +64,12 @@ fn is_subset(a: &[u32], b: &[u32]) -> bool {
     a.iter().all(|x| b.by_ref().find(|&y| y >= x) == Some(x))
 }
 
-/// Centre and radius of the smallest disc around the points (the incremental
-/// algorithm: a point outside the disc so far lies on the edge of the next), in u. (0, 0) and 0 without points.
-pub(crate) fn smallest_disc(points: &[(f64, f64)]) -> ((f64, f64), f64) {
+/// Centre and radius of the smallest disc around the points, by the incremental
+/// algorithm: a point outside the disc so far lies on the edge of the next. (0, 0) and 0
+/// without points.
+pub(crate) fn smallest_disc(points: &[(f64, f64)]) -> Disc {
     let mut disc = ((0.0, 0.0), 0.0);
-    let inside = |((cx, cy), r): ((f64, f64), f64), p: (f64, f64)| (p.0 - cx).hypot(p.1 - cy) <= r + EDGE;
+    let inside = |(centre, r): Disc, p| distance(p, centre) <= r + EDGE;
     for (i, &p) in points.iter().enumerate() {
         if i > 0 && inside(disc, p) {
             continue;
@@ -93,20 +97,26 @@ pub(crate) fn smallest_disc(points: &[(f64, f64)]) -> ((f64, f64), f64) {
     ((among(x, |p| p.0), among(y, |p| p.1)), r)
 }
 
-fn through_two(a: (f64, f64), b: (f64, f64)) -> ((f64, f64), f64) {
+fn distance(a: (f64, f64), b: (f64, f64)) -> f64 {
+    let (dx, dy) = (a.0 - b.0, a.1 - b.1);
+    (dx * dx + dy * dy).sqrt()
+}
+
+fn through_two(a: (f64, f64), b: (f64, f64)) -> Disc {
     let c = ((a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0);
-    (c, (a.0 - c.0).hypot(a.1 - c.1))
+    (c, distance(a, c))
 }
 
 /// Circumcircle; of three points in a line, the disc over the two farthest apart.
-fn through_three(a: (f64, f64), b: (f64, f64), c: (f64, f64)) -> ((f64, f64), f64) {
+fn through_three(a: (f64, f64), b: (f64, f64), c: (f64, f64)) -> Disc {
     let (bx, by, cx, cy) = (b.0 - a.0, b.1 - a.1, c.0 - a.0, c.1 - a.1);
     let d = 2.0 * (bx * cy - by * cx);
     if d.abs() < 1e-12 {
-        let discs = [through_two(a, b), through_two(a, c), through_two(b, c)];
-        return discs.into_iter().fold(discs[0], |m, d| if d.1 > m.1 { d } else { m });
+        let larger = |m: Disc, d: Disc| if d.1 > m.1 { d } else { m };
+        return larger(larger(through_two(a, b), through_two(a, c)), through_two(b, c));
     }
     let (b2, c2) = (bx * bx + by * by, cx * cx + cy * cy);
     let (ux, uy) = ((cy * b2 - by * c2) / d, (bx * c2 - cx * b2) / d);
-    ((a.0 + ux, a.1 + uy), ux.hypot(uy))
+    let c = (a.0 + ux, a.1 + uy);
+    (c, distance(a, c))
 }

@@ -1,0 +1,61 @@
+//! A warm world neither allocates nor frees.
+
+use covey_env::{Links, Observer, Scenario, World};
+use firmware_core::action::Action;
+use firmware_core::observation::LEN;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+struct Counting;
+
+thread_local! {
+    static CALLS: Cell<u64> = const { Cell::new(0) };
+}
+
+fn count() {
+    // The thread may be ending, and its count gone.
+    let _ = CALLS.try_with(|c| c.set(c.get() + 1));
+}
+
+// SAFETY: everything is passed on to the system's allocator as it came.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: the caller keeps `alloc`'s contract, which is the same.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
+        count();
+        // SAFETY: `at` came from `alloc` above, that is from the system's allocator.
+        unsafe { System.dealloc(at, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn a_warm_world_allocates_nothing() {
+    let scenario = Scenario::default();
+    let mut world = World::new(&scenario).unwrap();
+    let mut observer = Observer::new(1, 1);
+    let mut out = vec![[0; LEN]; scenario.uavs];
+    let mut links = vec![Links::default(); scenario.uavs];
+    let mut actions = vec![Action::COAST; scenario.uavs];
+    let mut episode = || {
+        let before = CALLS.get();
+        world.reset(3, 4);
+        while !world.done() {
+            let t = world.steps_done() as usize;
+            for (i, a) in actions.iter_mut().enumerate() {
+                *a = Action::new(((i * 3 + t * t) % 17) as u8).unwrap();
+            }
+            world.step(&actions);
+            observer.observe(&world, &mut out, &mut links);
+        }
+        CALLS.get() - before
+    };
+    assert!(episode() > 0, "the first episode warms up, so the count works");
+    assert_eq!(episode(), 0);
+}
