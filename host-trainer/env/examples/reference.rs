@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let worlds = args.next().map_or(Ok(200), |a| a.parse())?;
     let seed = args.next().map_or(Ok(777), |a| a.parse())?;
     print!("{:22}", "");
-    EpisodeMetrics::NAMES.iter().for_each(|name| print!("{name:>15}"));
+    EpisodeMetrics::NAMES.iter().for_each(|name| print!("{name:>17}"));
     println!();
     for law in [Law::Clustered, Law::Uniform] {
         let scenario = Scenario { law, ..Scenario::default() };
@@ -32,7 +32,7 @@ fn show(law: Law, name: &str, run: impl Fn() -> Result<Evaluation, ScenarioError
     let evaluation = run()?;
     print!("{:22}", format!("{law:?} {name}"));
     let (mean, error) = (evaluation.mean().values(), evaluation.standard_error().values());
-    mean.iter().zip(error).for_each(|(m, e)| print!("{:>15}", format!("{m:.3} ±{e:.3}")));
+    mean.iter().zip(error).for_each(|(m, e)| print!("{:>17}", format!("{m:.3} ±{e:.3}")));
     println!("{:8.2} s", start.elapsed().as_secs_f64());
     Ok(())
 }
