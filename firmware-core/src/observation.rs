@@ -6,24 +6,31 @@
 //! | 2, 3 | own velocity | v / 4 u/step |
 //! | 4 | own tie-breaker of the step | t / 127 |
 //! | 5 | neighbours in range | n / 16 |
-//! | 6 | PoIs in view | n / 48 |
-//! | 7 | PoIs in view that no neighbour covers | n / 48 |
-//! | 8 + 6 k | k-th nearest neighbour: present | 1 |
+//! | 6 | free PoIs in view: those that no neighbour covers | n / 48 |
+//! | 7, 8 | mean offset of the free PoIs in view | Δ / 13 u |
+//! | 9, 10 | push away from neighbours: −Σ Δ·(1 − d²/18²) | / 18 u |
+//! | 11 | free PoIs in coverage range | n / 24 |
+//! | 12 + k | free PoIs in coverage range of the place 4 u away along direction k = 0..7 | n / 24 |
+//! | 20 + k | the same 8 u away | n / 24 |
+//! | 28 + 6 k | k-th nearest neighbour: present | 1 |
 //! | … + 1, 2 | its offset | Δ / 18 u |
 //! | … + 3, 4 | its velocity | v / 4 u/step |
 //! | … + 5 | who yields: +1 when this UAV goes first, −1 when the neighbour does | ±1 |
-//! | 44 + 4 k | k-th nearest PoI in view: present | 1 |
+//! | 64 + 4 k | k-th nearest PoI in view: present | 1 |
 //! | … + 1, 2 | its offset | Δ / 13 u |
 //! | … + 3 | covered by a neighbour | 0 or 1 |
 //!
 //! Each number is stored as `round(127 · value)` clamped to ±127; absent
-//! neighbours and PoIs are zeros. This form has the id [`ID`], which the actor file
+//! neighbours and PoIs are zeros. Directions are those of the action table. This form has the id [`ID`], which the actor file
 //! repeats: an actor never meets an observation it was not trained on.
 
 use crate::geometry::{
     COMMUNICATION_RANGE_U, COVERAGE_RANGE_U, OBSERVATION_RANGE_U, SPEED_CAP_U, State, TICKS_PER_U, Vec2, div_round,
 };
 use heapless::Vec;
+use places::{Free, SPOTS, push};
+
+mod places;
 
 /// Identifies this form of the observation in actor files.
 pub const ID: u16 = 1;
@@ -34,13 +41,15 @@ pub const SEEN_NEIGHBOURS: usize = 6;
 /// PoIs described in the observation (the nearest).
 pub const SEEN_POIS: usize = 24;
 /// Numbers about the UAV itself.
-const OWN: usize = 8;
+const OWN: usize = 7;
+/// Numbers about places to go.
+const PLACES: usize = 4 + SPOTS;
 /// Numbers a neighbour.
 const PER_NEIGHBOUR: usize = 6;
 /// Numbers a PoI.
 const PER_POI: usize = 4;
 /// Length of an observation.
-pub const LEN: usize = OWN + SEEN_NEIGHBOURS * PER_NEIGHBOUR + SEEN_POIS * PER_POI;
+pub const LEN: usize = OWN + PLACES + SEEN_NEIGHBOURS * PER_NEIGHBOUR + SEEN_POIS * PER_POI;
 
 /// One observation.
 pub type Observation = [i8; LEN];
@@ -130,21 +139,31 @@ pub struct Scene<'a> {
 pub fn observe(scene: &Scene<'_>, pois: impl IntoIterator<Item = Vec2>) -> Observation {
     let mut out = [0i8; LEN];
     let neighbours = scene.neighbours.as_slice();
-    let (nearest, in_view, unclaimed) = nearest_pois(scene, pois);
+    let seen = look(scene, pois);
     let own = &scene.own;
     let half = scene.half_side.clamp(1, HALF_SIDE_LIMIT);
     let (head, rest) = out.split_at_mut(OWN);
-    let values = [
+    head.copy_from_slice(&[
         ratio_of(own.position.x.saturating_sub(half), half),
         ratio_of(own.position.y.saturating_sub(half), half),
         ratio::<{ SPEED_CAP_U * TICKS_PER_U }>(own.velocity.x),
         ratio::<{ SPEED_CAP_U * TICKS_PER_U }>(own.velocity.y),
         scene.tie.max(-127),
         ratio::<{ MAX_NEIGHBOURS as i32 }>(neighbours.len() as i32),
-        ratio::<{ 2 * SEEN_POIS as i32 }>(in_view),
-        ratio::<{ 2 * SEEN_POIS as i32 }>(unclaimed),
-    ];
-    head.copy_from_slice(&values);
+        ratio::<{ 2 * SEEN_POIS as i32 }>(seen.free.count),
+    ]);
+    let (places, rest) = rest.split_at_mut(PLACES);
+    let (mean, push) = (seen.free.mean(), push(neighbours));
+    let (drift, gains) = places.split_at_mut(4);
+    drift.copy_from_slice(&[
+        ratio::<VIEW>(mean.x),
+        ratio::<VIEW>(mean.y),
+        ratio::<RANGE>(push.x),
+        ratio::<RANGE>(push.y),
+    ]);
+    for (slot, &count) in gains.iter_mut().zip(&seen.free.gains) {
+        *slot = ratio::<{ SEEN_POIS as i32 }>(count);
+    }
     let (near, far) = rest.split_at_mut(SEEN_NEIGHBOURS * PER_NEIGHBOUR);
     for (slot, n) in near.chunks_exact_mut(PER_NEIGHBOUR).zip(neighbours) {
         let first = (scene.tie, scene.id) > (n.tie, n.id);
@@ -157,7 +176,7 @@ pub fn observe(scene: &Scene<'_>, pois: impl IntoIterator<Item = Vec2>) -> Obser
             if first { 127 } else { -127 },
         ]);
     }
-    for (slot, p) in far.chunks_exact_mut(PER_POI).zip(&nearest) {
+    for (slot, p) in far.chunks_exact_mut(PER_POI).zip(&seen.nearest) {
         let offset = p.offset();
         slot.copy_from_slice(&[
             127,
@@ -198,30 +217,36 @@ impl SeenPoi {
     }
 }
 
-/// The nearest PoIs in view, nearest first (equal distances by offset), the number in
-/// view and the number of those that no neighbour covers.
-fn nearest_pois(scene: &Scene<'_>, pois: impl IntoIterator<Item = Vec2>) -> (Vec<SeenPoi, SEEN_POIS>, i32, i32) {
-    let mut nearest = Vec::new();
-    let (mut in_view, mut unclaimed) = (0, 0);
+/// What a UAV makes of the PoIs in view.
+struct Seen {
+    /// The nearest, nearest first (equal distances by offset).
+    nearest: Vec<SeenPoi, SEEN_POIS>,
+    free: Free,
+}
+
+fn look(scene: &Scene<'_>, pois: impl IntoIterator<Item = Vec2>) -> Seen {
+    let mut seen = Seen { nearest: Vec::new(), free: Free::default() };
     for p in pois {
         let offset = p - scene.own.position;
         let Some(d2) = offset.within(VIEW) else { continue };
         let claimed = is_claimed(offset, scene.neighbours.as_slice());
-        in_view += 1;
-        unclaimed += i32::from(!claimed);
-        insert_nearest(&mut nearest, SeenPoi::new(offset, d2, claimed));
+        if !claimed {
+            seen.free.add(offset);
+        }
+        insert_nearest(&mut seen.nearest, SeenPoi::new(offset, d2, claimed));
     }
-    (nearest, in_view, unclaimed)
+    seen
 }
+
+const COVER: i32 = COVERAGE_RANGE_U * TICKS_PER_U;
 
 /// Whether a neighbour covers the PoI at this offset, which lies within the view.
 fn is_claimed(poi: Vec2, neighbours: &[Neighbour]) -> bool {
-    const COVER2: i32 = (COVERAGE_RANGE_U * TICKS_PER_U) * (COVERAGE_RANGE_U * TICKS_PER_U);
     neighbours.iter().any(|n| {
         // On each axis at most (13 + 18)·1,024 = 31,744 ticks, so the sum of squares
         // stays below 2³¹.
         let (x, y) = (poi.x - n.offset.x, poi.y - n.offset.y);
-        x * x + y * y <= COVER2
+        x * x + y * y <= COVER * COVER
     })
 }
 
@@ -278,7 +303,7 @@ mod tests {
             .map(|o| (d2(o), o, neighbours.iter().any(|n| d2(o - n.offset) <= u(10).pow(2))))
             .collect();
         seen.sort();
-        let free = seen.iter().filter(|p| !p.2).count();
+        let free: List<Vec2> = seen.iter().filter(|p| !p.2).map(|p| p.1).collect();
         let half = i64::from(scene.half_side);
         let (own, v) = (scene.own.position, scene.own.velocity);
         let mut out = List::from([
@@ -288,16 +313,47 @@ mod tests {
             scaled(v.y.into(), u(4)),
             scene.tie.max(-127),
             scaled(neighbours.len() as i64, 16),
-            scaled(seen.len() as i64, 48),
-            scaled(free as i64, 48),
+            scaled(free.len() as i64, 48),
         ]);
+        let mean = |axis: fn(&Vec2) -> i32| match free.len() as i64 {
+            0 => 0,
+            n => {
+                let sum: i64 = free.iter().map(|o| i64::from(axis(o))).sum();
+                scaled((sum.abs() + n / 2) / n * sum.signum(), u(13))
+            }
+        };
+        out.extend([mean(|o| o.x), mean(|o| o.y)]);
+        let push = |axis: fn(&Vec2) -> i32| {
+            let part = |n: &Neighbour| {
+                let share = ((u(18).pow(2) - d2(n.offset)) >> 20).clamp(0, 324);
+                i64::from(axis(&n.offset)) * share
+            };
+            let sum: i64 = -neighbours.iter().map(part).sum::<i64>();
+            scaled((sum.abs() + 162) / 324 * sum.signum(), u(18))
+        };
+        out.extend([push(|o| o.x), push(|o| o.y)]);
+        let directions = [(10, 0), (7, -7), (0, -10), (-7, -7), (-10, 0), (-7, 7), (0, 10), (7, 7)];
+        let along = |reach: i32| {
+            directions.map(|(x, y)| {
+                // Diagonals are √½ of the reach, in whole ticks.
+                let diagonal = (reach * 7241 + 5120) / 10240;
+                let t = |c: i32| match c.abs() {
+                    10 => reach * c.signum(),
+                    7 => diagonal * c.signum(),
+                    _ => 0,
+                };
+                Vec2 { x: t(x), y: t(y) }
+            })
+        };
+        let spots = [Vec2::default()].into_iter().chain(along(4096)).chain(along(8192));
+        out.extend(spots.map(|s| scaled(free.iter().filter(|&&o| d2(o - s) <= u(10).pow(2)).count() as i64, 24)));
         for n in neighbours.iter().take(6) {
             let first = scene.tie > n.tie || scene.tie == n.tie && scene.id > n.id;
             let (o, v) = (n.offset, n.velocity);
             out.extend([127, scaled(o.x.into(), u(18)), scaled(o.y.into(), u(18))]);
             out.extend([scaled(v.x.into(), u(4)), scaled(v.y.into(), u(4)), if first { 127 } else { -127 }]);
         }
-        out.resize(44, 0);
+        out.resize(64, 0);
         for &(_, o, claimed) in seen.iter().take(24) {
             out.extend([127, scaled(o.x.into(), u(13)), scaled(o.y.into(), u(13)), if claimed { 127 } else { 0 }]);
         }

@@ -26,12 +26,16 @@ pub struct FloatActor {
 }
 
 impl FloatActor {
-    /// From the parameters of a run with these settings.
+    /// From the parameters of a run with these settings; `temperature` is applied to the
+    /// output layer.
     #[must_use]
-    pub fn new(s: &Settings, values: Vec<f32>) -> Self {
+    pub fn new(s: &Settings, mut values: Vec<f32>) -> Self {
         let dimensions = dimensions(s);
         let aggregation = s.graph.0;
         let layout = Layout::actor(dimensions, aggregation);
+        for piece in layout.pieces().iter().filter(|p| p.name.starts_with("output")) {
+            values[piece.start..piece.start + piece.len()].iter_mut().for_each(|v| *v /= s.temperature as f32);
+        }
         Self { aggregation, dimensions, tie_period: s.tie_period, layout, values }
     }
 

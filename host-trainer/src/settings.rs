@@ -200,6 +200,9 @@ settings! {
     /// Share of a UAV's training reward that is replaced by the mean over all UAVs. The
     /// reported reward stays the scenario's.
     team_share: f64 = 0.0, "0 to 1", |v| (0.0..=1.0).contains(v);
+    /// The exported actor's logits are divided by this: below 1 it draws less at random than
+    /// in training, above 1 more.
+    temperature: f64 = 1.0, "0.05 to 20", |v| (0.05..=20.0).contains(v);
     /// Episodes between checkpoints.
     checkpoint_every: u32 = 320, "1 to 100000000", |v| (1..=100_000_000).contains(v);
     /// Held-out worlds of the evaluation at the end.

@@ -265,7 +265,7 @@ fn check_dimensions(d: Dimensions) -> Result<(), LoadError> {
     let refuse = |what, found, allowed| Err(LoadError::Dimension { what, found, allowed });
     let fits = |n: u16, max: usize| n >= 1 && usize::from(n) <= max;
     if usize::from(d.observation) != observation::LEN {
-        return refuse("observation length", d.observation, "140");
+        return refuse("observation length", d.observation, "160");
     }
     if !fits(d.hidden, MAX_ROWS) {
         return refuse("first hidden width", d.hidden, "1 to 128");

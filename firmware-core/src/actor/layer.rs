@@ -5,8 +5,8 @@ use crate::kernel::{self, Dense, Finish};
 /// Greatest number of rows of a layer.
 pub const MAX_ROWS: usize = 128;
 /// Greatest number of columns of a layer (the observation is the longest input).
-pub const MAX_COLUMNS: usize = 144;
-/// Greatest magnitude of a bias. With 144 columns of int8 products the biased sum
+pub const MAX_COLUMNS: usize = 160;
+/// Greatest magnitude of a bias. With 160 columns of int8 products the biased sum
 /// stays below 2²³ + 2²⁴ < 2²⁵.
 pub const MAX_BIAS: i32 = 1 << 24;
 

@@ -3,7 +3,7 @@
 //! Network (paper, sections 2.2 and 3.2; all activations int8):
 //!
 //! ```text
-//! observation (140) → encoder 1 → ReLU → encoder 2 → ReLU → h (64)       encode: once a step
+//! observation (160) → encoder 1 → ReLU → encoder 2 → ReLU → h (64)       encode: once a step
 //! neighbours' h, own h → aggregate → graph layer → ReLU → y (64)          none | GCN | GAT
 //! [h ‖ y] → head → ReLU → output → 17 logits                              decide
 //! ```

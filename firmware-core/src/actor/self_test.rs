@@ -1,6 +1,6 @@
 //! Self-test vectors: situations with their exact logits, kept in the actor file.
 //!
-//! A vector is, one after the other: the observation (140 int8), own degree (u8),
+//! A vector is, one after the other: the observation (160 int8), own degree (u8),
 //! number k of neighbours (u8, at most 16), k times [degree (u8), attended score (i16
 //! little-endian), feature (int8 × feature width)], and 17 logits (i16 little-endian).
 

@@ -16,7 +16,7 @@ pub struct Batch {
     pub world_steps: usize,
     /// UAVs in each.
     pub uavs: usize,
-    /// Observations as the board builds them over 127, `[B·N, 140]`.
+    /// Observations as the board builds them over 127, `[B·N, 160]`.
     pub observations: Tensor<2>,
     /// `[B, N, N]`: GCN weights `1/√(d_i d_j)`, or for GAT 0 on links and −10⁹ elsewhere.
     graph: Option<Tensor<3>>,
