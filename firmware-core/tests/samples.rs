@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::sample_actor;
+use common::{sample_actor, tiny_actor};
 use firmware_core::actor::{Actor, Aggregation, LoadError, argmax, signature};
 use proptest::prelude::*;
 
@@ -29,6 +29,17 @@ fn the_committed_files_are_what_this_code_writes() {
         }
         assert!(std::fs::read(path(name)).unwrap() == file, "{name} differs");
     }
+}
+
+/// The fuzz targets fly it.
+#[test]
+fn the_committed_tiny_file_is_what_this_code_writes() {
+    let file = tiny_actor(Aggregation::Gat, 3);
+    if std::env::var_os("COVEY_BLESS").is_some() {
+        std::fs::write(path("tiny-gat"), &file).unwrap();
+    }
+    assert!(std::fs::read(path("tiny-gat")).unwrap() == file);
+    Actor::load(&file).unwrap().self_test().unwrap();
 }
 
 #[test]

@@ -1,4 +1,5 @@
 //! A small actor with pseudo-random weights, for tests. It flies nowhere in particular.
+#![allow(dead_code)] // Each test takes what it needs.
 
 use firmware_core::action::ACTIONS;
 use firmware_core::actor::file::Body;
@@ -24,20 +25,27 @@ impl Random {
     }
 }
 
-const DIMENSIONS: Dimensions =
-    Dimensions { observation: LEN as u16, hidden: 24, feature: 16, head: 24, actions: ACTIONS as u16 };
+/// An actor file of this kind; another seed is another policy.
+pub fn sample_actor(aggregation: Aggregation, seed: u64) -> Vec<u8> {
+    actor_of(aggregation, seed, [24, 16, 24])
+}
+
+/// The smallest actor there can be.
+pub fn tiny_actor(aggregation: Aggregation, seed: u64) -> Vec<u8> {
+    actor_of(aggregation, seed, [1, 2, 1])
+}
 
 /// One self-test vector with the logits that `logits` gives.
 fn vector(
     random: &mut Random,
     logits: impl Fn(&Observation, u8, &[NeighbourFeature<'_>]) -> Logits,
+    feature: u16,
     neighbours: usize,
 ) -> Vec<u8> {
     let observation: Observation = core::array::from_fn(|_| random.byte().max(-127));
     let heads: Vec<(u8, i16)> =
         (0..neighbours).map(|_| (1 + (random.next() % 17) as u8, i16::from(random.byte()) * 16)).collect();
-    let values: Vec<[i8; DIMENSIONS.feature as usize]> =
-        heads.iter().map(|_| core::array::from_fn(|_| random.byte() & 127)).collect();
+    let values: Vec<Vec<i8>> = heads.iter().map(|_| (0..feature).map(|_| random.byte() & 127).collect()).collect();
     let neighbours: Vec<_> = heads
         .iter()
         .zip(&values)
@@ -49,11 +57,12 @@ fn vector(
     out[..n.unwrap()].to_vec()
 }
 
-/// An actor file of this kind; another seed is another policy.
-pub fn sample_actor(aggregation: Aggregation, seed: u64) -> Vec<u8> {
+/// Widths are those of the hidden layer, the feature and the head.
+fn actor_of(aggregation: Aggregation, seed: u64, [hidden, feature, head]: [u16; 3]) -> Vec<u8> {
+    let dimensions = Dimensions { observation: LEN as u16, hidden, feature, head, actions: ACTIONS as u16 };
     let mut random = Random(seed);
     let (mut weights, mut tables) = (Vec::new(), Vec::new());
-    for (rows, columns) in DIMENSIONS.layers(aggregation) {
+    for (rows, columns) in dimensions.layers(aggregation) {
         weights.extend((0..Layer::weight_bytes(rows, columns)).map(|_| random.byte() as u8));
         // Multipliers bring a typical sum back into the range of int8.
         tables.extend((0..rows).flat_map(|_| (i32::from(random.byte()) * 8).to_le_bytes()));
@@ -65,7 +74,7 @@ pub fn sample_actor(aggregation: Aggregation, seed: u64) -> Vec<u8> {
         tables: &tables,
         observation: firmware_core::observation::ID,
         aggregation,
-        dimensions: DIMENSIONS,
+        dimensions,
         tie_period: 4,
         aggregate_multiplier: if aggregation == Aggregation::None { 0 } else { 1 << 17 },
         provenance: Provenance { trainer: "tests", scenario: "none", seed, ..Provenance::default() },
@@ -78,7 +87,7 @@ pub fn sample_actor(aggregation: Aggregation, seed: u64) -> Vec<u8> {
         let logits = |o: &Observation, degree: u8, neighbours: &[NeighbourFeature<'_>]| {
             actor.map_or([0; ACTIONS], |a| a.logits(&a.encode(o), degree, neighbours.iter().copied()))
         };
-        (0..SELF_TESTS).flat_map(|k| vector(&mut random, logits, 2 * k)).collect()
+        (0..SELF_TESTS).flat_map(|k| vector(&mut random, logits, feature, 2 * k)).collect()
     };
     let store = |body: &Body<'_>| {
         let mut file = vec![0; 32_768];
