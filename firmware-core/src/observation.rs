@@ -107,8 +107,8 @@ impl Neighbours {
         if self.0.is_full() {
             self.0.pop();
         }
-        // Not full and `at <= len`, so this always succeeds.
-        let _ = self.0.insert(at, n);
+        // Not full and `at <= len`, so this always succeeds; `min` lets the compiler see it.
+        let _ = self.0.insert(at.min(self.0.len()), n);
     }
 
     /// The neighbours, nearest first.
@@ -258,8 +258,8 @@ fn insert_nearest(nearest: &mut Vec<SeenPoi, SEEN_POIS>, p: SeenPoi) {
         };
     }
     let at = nearest.iter().rposition(|o| *o <= p).map_or(0, |i| i + 1);
-    // Not full and `at <= len`, so this always succeeds.
-    let _ = nearest.insert(at, p);
+    // Not full and `at <= len`, so this always succeeds; `min` lets the compiler see it.
+    let _ = nearest.insert(at.min(nearest.len()), p);
 }
 
 /// `round(127·a/SCALE)` clamped to ±127, for |a| below 2^24 or so.
