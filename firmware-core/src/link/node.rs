@@ -1,4 +1,7 @@
 //! The UAV on the board: its actor, its neighbours and the step it is in.
+//!
+//! Each request has a function of its own on the stack, so that a board needs room for the
+//! deepest, not for their sum: hence `inline(never)`.
 
 use super::record::{ActorInfo, Decided, Fault, Hear, Observe, Observed, Refusal, Reply, Report, Setup};
 use super::{MAX_CASES, MAX_POIS, POI_BYTES};
@@ -47,6 +50,7 @@ impl<'a> Node<'a> {
     }
 
     /// A self-test that fails takes the actor away for good.
+    #[inline(never)]
     pub(super) fn self_test(&mut self) {
         if let Ok(actor) = &self.actor
             && let Err(e) = actor.self_test()
@@ -90,6 +94,7 @@ impl<'a> Node<'a> {
         Ok((actor, self.setup.ok_or(Refusal::NotStarted)?))
     }
 
+    #[inline(never)]
     pub(super) fn hear(&mut self, heard: &Hear<'_>) -> Result<Reply<'static>, Refusal> {
         self.ready()?;
         let message = Message::decode(heard.message).map_err(|_| Refusal::Message)?;
@@ -98,6 +103,7 @@ impl<'a> Node<'a> {
         Ok(Reply::Heard { answer, kept: self.table.len() as u8 })
     }
 
+    #[inline(never)]
     pub(super) fn observe(&mut self, request: &Observe<'_>) -> Result<Reply<'_>, Refusal> {
         let (actor, setup) = self.ready()?;
         let pois = request.pois.chunks_exact(POI_BYTES);
@@ -119,6 +125,7 @@ impl<'a> Node<'a> {
         Ok(Reply::Observed(Observed { step, degree, tie, message }))
     }
 
+    #[inline(never)]
     pub(super) fn decide(&mut self, step: u32) -> Result<Reply<'static>, Refusal> {
         let (actor, setup) = self.ready()?;
         if self.observed != Some(step) {
@@ -133,6 +140,7 @@ impl<'a> Node<'a> {
         Ok(Reply::Decided(Decided { step, action, features: count, logits }))
     }
 
+    #[inline(never)]
     pub(super) fn sign(&mut self, from: u32, cases: u16) -> Result<Reply<'static>, Refusal> {
         let actor = self.actor.map_err(Refusal::Fault)?;
         if from == 0 {
