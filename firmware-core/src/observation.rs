@@ -99,16 +99,8 @@ impl Neighbours {
         if n.offset.within(RANGE).is_none() {
             return;
         }
-        let key = n.key();
-        let at = self.0.iter().position(|o| key < o.key()).unwrap_or(self.0.len());
-        if at == MAX_NEIGHBOURS {
-            return;
-        }
-        if self.0.is_full() {
-            self.0.pop();
-        }
-        // Not full and `at <= len`, so this always succeeds; `min` lets the compiler see it.
-        let _ = self.0.insert(at.min(self.0.len()), n);
+        let before = |a: &Neighbour, b: &Neighbour| a.key() < b.key();
+        keep(&mut self.0, n, before);
     }
 
     /// The neighbours, nearest first.
@@ -233,7 +225,7 @@ fn look(scene: &Scene<'_>, pois: impl IntoIterator<Item = Vec2>) -> Seen {
         if !claimed {
             seen.free.add(offset);
         }
-        insert_nearest(&mut seen.nearest, SeenPoi::new(offset, d2, claimed));
+        keep(&mut seen.nearest, SeenPoi::new(offset, d2, claimed), SeenPoi::lt);
     }
     seen
 }
@@ -250,16 +242,23 @@ fn is_claimed(poi: Vec2, neighbours: &[Neighbour]) -> bool {
     })
 }
 
-fn insert_nearest(nearest: &mut Vec<SeenPoi, SEEN_POIS>, p: SeenPoi) {
-    if nearest.is_full() {
-        match nearest.last() {
-            Some(last) if p < *last => nearest.pop(),
+/// Takes `item` into `kept`, which is in order, behind those it is not before. When there is
+/// no room the last of all drops out.
+fn keep<T, const N: usize>(kept: &mut Vec<T, N>, item: T, before: impl Fn(&T, &T) -> bool) {
+    if kept.is_full() {
+        match kept.last() {
+            Some(last) if before(&item, last) => kept.pop(),
             _ => return,
         };
     }
-    let at = nearest.iter().rposition(|o| *o <= p).map_or(0, |i| i + 1);
-    // Not full and `at <= len`, so this always succeeds; `min` lets the compiler see it.
-    let _ = nearest.insert(at.min(nearest.len()), p);
+    // Not full, so this always succeeds. `Vec::insert` would do the rest, but for its panic branch.
+    let _ = kept.push(item);
+    for end in (2..=kept.len()).rev() {
+        match kept.get_mut(..end) {
+            Some([.., a, b]) if before(b, a) => core::mem::swap(a, b),
+            _ => return,
+        }
+    }
 }
 
 /// `round(127·a/SCALE)` clamped to ±127, for |a| below 2^24 or so.

@@ -4,6 +4,7 @@
 mod common;
 
 use common::{sample_actor, tiny_actor};
+use firmware_core::actor::file::at_start_of;
 use firmware_core::actor::{Actor, Aggregation, LoadError, argmax, signature};
 use proptest::prelude::*;
 
@@ -84,6 +85,18 @@ fn every_cut_and_addition_is_refused() {
     }
     file.push(0);
     assert_eq!(Actor::load(&file).err(), Some(LoadError::Extended { extra: 1 }));
+}
+
+#[test]
+fn a_file_is_found_at_the_start_of_erased_flash() {
+    let file = made(Aggregation::Gcn);
+    let mut region = file.clone();
+    region.resize(1 << 17, 0xff);
+    assert!(at_start_of(&region) == file);
+    let expected = file.len();
+    assert_eq!(Actor::load(at_start_of(&region[..500])).err(), Some(LoadError::Truncated { expected, found: 500 }));
+    assert_eq!(Actor::load(at_start_of(&[0xff; 64])).err(), Some(LoadError::NotAnActor));
+    assert_eq!(Actor::load(at_start_of(&[])).err(), Actor::load(&[]).err());
 }
 
 proptest! {

@@ -261,6 +261,15 @@ fn open(file: &[u8]) -> Result<&[u8], LoadError> {
     content.get(HEADER..).ok_or(LoadError::Malformed)
 }
 
+/// The actor file at the start of a flash region: as much of it as the file's header says. A
+/// region that holds no whole actor file comes back as it is, and loading says what is wrong.
+#[must_use]
+pub fn at_start_of(region: &[u8]) -> &[u8] {
+    let &[.., n0, n1, n2, n3] = region.first_chunk::<HEADER>().unwrap_or(&[0xff; HEADER]);
+    let length = (u32::from_le_bytes([n0, n1, n2, n3]) as usize).saturating_add(HEADER + TRAILER);
+    region.get(..length).unwrap_or(region)
+}
+
 fn check_dimensions(d: Dimensions) -> Result<(), LoadError> {
     let refuse = |what, found, allowed| Err(LoadError::Dimension { what, found, allowed });
     let fits = |n: u16, max: usize| n >= 1 && usize::from(n) <= max;

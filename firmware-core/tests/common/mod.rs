@@ -25,41 +25,44 @@ impl Random {
     }
 }
 
-/// An actor file of this kind; another seed is another policy.
-pub fn sample_actor(aggregation: Aggregation, seed: u64) -> Vec<u8> {
-    actor_of(aggregation, seed, [24, 16, 24])
-}
-
-/// The smallest actor there can be.
-pub fn tiny_actor(aggregation: Aggregation, seed: u64) -> Vec<u8> {
-    actor_of(aggregation, seed, [1, 2, 1])
-}
+/// Widths of the committed samples: small files.
+const SMALL: Dimensions =
+    Dimensions { observation: LEN as u16, hidden: 24, feature: 16, head: 24, actions: ACTIONS as u16 };
 
 /// One self-test vector with the logits that `logits` gives.
 fn vector(
     random: &mut Random,
+    width: u16,
     logits: impl Fn(&Observation, u8, &[NeighbourFeature<'_>]) -> Logits,
-    feature: u16,
     neighbours: usize,
 ) -> Vec<u8> {
     let observation: Observation = core::array::from_fn(|_| random.byte().max(-127));
     let heads: Vec<(u8, i16)> =
         (0..neighbours).map(|_| (1 + (random.next() % 17) as u8, i16::from(random.byte()) * 16)).collect();
-    let values: Vec<Vec<i8>> = heads.iter().map(|_| (0..feature).map(|_| random.byte() & 127).collect()).collect();
+    let values: Vec<Vec<i8>> = heads.iter().map(|_| (0..width).map(|_| random.byte() & 127).collect()).collect();
     let neighbours: Vec<_> = heads
         .iter()
         .zip(&values)
         .map(|(&(degree, attended), values)| NeighbourFeature { values, degree, attended })
         .collect();
     let degree = neighbours.len() as u8 + 1;
-    let mut out = [0; 1024];
+    let mut out = [0; 2048];
     let n = write_self_test(&mut out, &observation, degree, &neighbours, &logits(&observation, degree, &neighbours));
     out[..n.unwrap()].to_vec()
 }
 
-/// Widths are those of the hidden layer, the feature and the head.
-fn actor_of(aggregation: Aggregation, seed: u64, [hidden, feature, head]: [u16; 3]) -> Vec<u8> {
-    let dimensions = Dimensions { observation: LEN as u16, hidden, feature, head, actions: ACTIONS as u16 };
+/// A small actor file of this kind; another seed is another policy.
+pub fn sample_actor(aggregation: Aggregation, seed: u64) -> Vec<u8> {
+    actor_of(SMALL, aggregation, seed)
+}
+
+/// The smallest actor there can be.
+pub fn tiny_actor(aggregation: Aggregation, seed: u64) -> Vec<u8> {
+    actor_of(Dimensions { hidden: 1, feature: 2, head: 1, ..SMALL }, aggregation, seed)
+}
+
+/// An actor file of any widths.
+pub fn actor_of(dimensions: Dimensions, aggregation: Aggregation, seed: u64) -> Vec<u8> {
     let mut random = Random(seed);
     let (mut weights, mut tables) = (Vec::new(), Vec::new());
     for (rows, columns) in dimensions.layers(aggregation) {
@@ -87,10 +90,10 @@ fn actor_of(aggregation: Aggregation, seed: u64, [hidden, feature, head]: [u16; 
         let logits = |o: &Observation, degree: u8, neighbours: &[NeighbourFeature<'_>]| {
             actor.map_or([0; ACTIONS], |a| a.logits(&a.encode(o), degree, neighbours.iter().copied()))
         };
-        (0..SELF_TESTS).flat_map(|k| vector(&mut random, logits, feature, 2 * k)).collect()
+        (0..SELF_TESTS).flat_map(|k| vector(&mut random, dimensions.feature, logits, 2 * k)).collect()
     };
     let store = |body: &Body<'_>| {
-        let mut file = vec![0; 32_768];
+        let mut file = vec![0; 1 << 17];
         let n = body.store(&mut file).unwrap();
         file.truncate(n);
         file

@@ -1,0 +1,7 @@
+//! Testing and measuring on QEMU.
+
+pub mod console;
+pub mod costs;
+mod instructions;
+pub mod kernel;
+mod stack;
