@@ -1,6 +1,7 @@
 //! What can go wrong in `cargo xtask`; each message says what to do next.
 
 use std::io;
+use std::path::PathBuf;
 
 /// The result of a task.
 pub type Result<T> = std::result::Result<T, Error>;
@@ -25,6 +26,14 @@ pub enum Error {
         status: String,
         /// Its captured error output with a leading line break, or nothing where it went to the terminal.
         output: String,
+    },
+    /// A file could not be read or written.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// The operating system's word.
+        source: io::Error,
     },
     /// Packages are missing and only root may install them.
     #[error("installing packages needs root and sudo would ask for a password; run this, then try again:\n  {command}")]
@@ -62,4 +71,12 @@ pub enum Error {
     /// A failure whose full account stands on the terminal already.
     #[error("failed, see above")]
     Reported,
+}
+
+impl Error {
+    /// Wraps an I/O error with the file it is about.
+    pub fn file(path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
+        let path = path.into();
+        move |source| Self::File { path, source }
+    }
 }

@@ -2,6 +2,7 @@
 
 use clap::ValueEnum;
 
+use super::rust_targets::Toolchain;
 use crate::command::Cmd;
 use crate::workspace::find_program;
 
@@ -12,17 +13,30 @@ pub enum Item {
     Browser,
     /// Python's venv and pip: the simulated autopilots run in one.
     PythonVenv,
+    /// QEMU's Cortex-M machines: the bare-metal images are run on them.
+    QemuArm,
+    /// QEMU for single aarch64 programs: the companion computer's node is run in it.
+    QemuAarch64,
+    /// A C compiler and a static C library for aarch64: they link the node.
+    Aarch64Gcc,
+    /// Rust's libraries for Cortex-M and aarch64 Linux.
+    RustTargets,
 }
 
 impl Item {
     /// All items, in the order of their set-up.
-    pub const ALL: &[Self] = &[Self::Browser, Self::PythonVenv];
+    pub const ALL: &[Self] =
+        &[Self::Browser, Self::PythonVenv, Self::QemuArm, Self::QemuAarch64, Self::Aarch64Gcc, Self::RustTargets];
 
     /// The name on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Browser => "browser",
             Self::PythonVenv => "python-venv",
+            Self::QemuArm => "qemu-arm",
+            Self::QemuAarch64 => "qemu-aarch64",
+            Self::Aarch64Gcc => "aarch64-gcc",
+            Self::RustTargets => "rust-targets",
         }
     }
 
@@ -31,14 +45,22 @@ impl Item {
         match self {
             Self::Browser => "Chromium, opens the reports in tests",
             Self::PythonVenv => "Python with venv and pip, runs the simulated autopilots",
+            Self::QemuArm => "QEMU for Cortex-M boards, runs the bare-metal images",
+            Self::QemuAarch64 => "QEMU for aarch64 programs, runs the companion computer's node",
+            Self::Aarch64Gcc => "C compiler and static C library for aarch64, link the node",
+            Self::RustTargets => "Rust's libraries for Cortex-M and aarch64 Linux",
         }
     }
 
-    /// The Debian packages that hold it.
+    /// The Debian packages that hold it; none for what is installed in another way.
     pub const fn packages(self) -> &'static [&'static str] {
         match self {
             Self::Browser => &["chromium"],
             Self::PythonVenv => &["python3", "python3-venv"],
+            Self::QemuArm => &["qemu-system-arm"],
+            Self::QemuAarch64 => &["qemu-user-static"],
+            Self::Aarch64Gcc => &["gcc-aarch64-linux-gnu", "libc6-dev-arm64-cross"],
+            Self::RustTargets => &[],
         }
     }
 
@@ -47,6 +69,14 @@ impl Item {
         match self {
             Self::Browser => find_program(&["chromium", "chromium-browser", "google-chrome"]).is_some(),
             Self::PythonVenv => Cmd::new("python3").args(["-c", "import venv, ensurepip"]).succeeds(),
+            Self::QemuArm => find_program(&["qemu-system-arm"]).is_some(),
+            Self::QemuAarch64 => find_program(&["qemu-aarch64-static", "qemu-aarch64"]).is_some(),
+            // Of a library that it does not have, the compiler prints the bare name.
+            Self::Aarch64Gcc => Cmd::new("aarch64-linux-gnu-gcc")
+                .arg("-print-file-name=libc.a")
+                .read()
+                .is_ok_and(|file| file.trim().starts_with('/')),
+            Self::RustTargets => Toolchain::find().is_some(),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod apt;
 mod item;
+pub mod rust_targets;
 
 pub use item::Item;
 
@@ -13,6 +14,9 @@ pub struct Args {
     /// Only report what is missing; exit with an error when something is.
     #[arg(long)]
     check: bool,
+    /// Take Rust's libraries for the targets from Debian even where rustup could download them.
+    #[arg(long)]
+    no_rustup: bool,
     /// Only these items; all when none is named.
     #[arg(value_enum)]
     items: Vec<Item>,
@@ -24,6 +28,9 @@ pub struct Args {
 /// Something is missing and cannot be installed, or may not be (`--check`).
 pub fn main(args: &Args) -> Result<()> {
     let items = if args.items.is_empty() { Item::ALL } else { &args.items };
+    if args.no_rustup && !args.check {
+        rust_targets::install(false)?;
+    }
     if !args.check {
         return install(items);
     }
@@ -51,12 +58,14 @@ pub fn install(items: &[Item]) -> Result<()> {
     if !packages.is_empty() {
         apt::install(&packages)?;
     }
+    if missing.contains(&Item::RustTargets) {
+        rust_targets::install(true)?;
+    }
     for item in &missing {
         if !item.is_present() {
             return Err(Error::Setup(format!(
-                "{} is still missing after `{}` were installed",
+                "{} is still missing although its installation succeeded; `cargo xtask setup --check` says what it is for",
                 item.name(),
-                item.packages().join(" ")
             )));
         }
         println!("setup: {} is ready", item.name());
