@@ -16,7 +16,7 @@
 extern "C" {
 #endif
 
-#define COVEY_OBSERVATION 140    /* numbers in an observation */
+#define COVEY_OBSERVATION 160    /* numbers in an observation */
 #define COVEY_FEATURE 64         /* greatest width of a feature */
 #define COVEY_NEIGHBOURS 16      /* neighbours a UAV keeps */
 #define COVEY_ACTIONS 17         /* actions: 0-7 strong, 8-15 gentle acceleration, 16 coasts */

@@ -182,7 +182,7 @@ pub unsafe extern "C" fn covey_tie_breaker(actor: *const CoveyActor, seed: u64, 
 /// Encodes an observation.
 ///
 /// # Safety
-/// `actor` and `feature` are NULL or valid, the actor was zeroed or loaded, `observation` is NULL or valid for 140 numbers.
+/// `actor` and `feature` are NULL or valid, the actor was zeroed or loaded, `observation` is NULL or valid for [`LEN`] numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covey_encode(
     actor: *const CoveyActor,
