@@ -3,7 +3,6 @@
 //! It flies nowhere in particular, but costs what a trained one costs, and has a signature.
 
 #[path = "../tests/common/mod.rs"]
-#[expect(dead_code, reason = "shared with the tests, which use more of it")]
 mod common;
 
 use firmware_core::action::ACTIONS;

@@ -9,7 +9,7 @@ use crate::actor::{Actor, Feature, MAX_FEATURE, Mode, Signature};
 use crate::geometry::Vec2;
 use crate::message::{self, Header, MAX_LEN, Message};
 use crate::neighbour_table::{DEFAULT_STEP_MS, Moment, NeighbourTable, Policy};
-use crate::observation::{Neighbours, Scene, observe};
+use crate::observation::{Neighbours, Observation, Scene, observe};
 
 pub(super) struct Node<'a> {
     actor: Result<Actor<'a>, Fault>,
@@ -106,15 +106,14 @@ impl<'a> Node<'a> {
     #[inline(never)]
     pub(super) fn observe(&mut self, request: &Observe<'_>) -> Result<Reply<'_>, Refusal> {
         let (actor, setup) = self.ready()?;
-        let pois = request.pois.chunks_exact(POI_BYTES);
-        if !pois.remainder().is_empty() || pois.len() > MAX_POIS {
+        if !request.pois.len().is_multiple_of(POI_BYTES) || request.pois.len() > MAX_POIS * POI_BYTES {
             return Err(Refusal::Pois);
         }
         let (own, Moment { step, .. }) = (request.own(), request.now);
         self.table.view(own.position, request.now, &mut self.view);
         let tie = actor.tie_breaker(setup.seed, setup.id, step);
         let scene = Scene { id: setup.id, own, tie, half_side: setup.half_side, neighbours: &self.view };
-        self.own = actor.encode(&observe(&scene, pois.map(|p| own.position + offset(p))));
+        self.own = actor.encode(&look(&scene, request.pois));
         self.observed = Some(step);
         let degree = self.degree();
         let header = Header { id: setup.id, sequence: step as u16, step };
@@ -159,6 +158,12 @@ impl<'a> Node<'a> {
     fn degree(&self) -> u8 {
         self.view.as_slice().len() as u8 + 1
     }
+}
+
+/// The observation of a scene; what it takes to build is off the stack before it is encoded.
+#[inline(never)]
+fn look(scene: &Scene<'_>, pois: &[u8]) -> Observation {
+    observe(scene, pois.chunks_exact(POI_BYTES).map(|p| scene.own.position + offset(p)))
 }
 
 fn offset(poi: &[u8]) -> Vec2 {
