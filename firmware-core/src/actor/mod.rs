@@ -30,6 +30,7 @@ use crate::action::{ACTIONS, Action};
 use crate::kernel::requantise;
 use crate::observation::{LEN, MAX_NEIGHBOURS, Observation};
 use crate::random::{action_draw, tie_breaker};
+use heapless::Vec;
 use layer::{Layer, MAX_COLUMNS, MAX_ROWS};
 
 /// Greatest width of a feature.
@@ -200,12 +201,25 @@ impl<'a> Actor<'a> {
     /// The logits of a UAV with this feature and degree (itself included) whose
     /// neighbours sent these features. At most the first 16 count.
     #[must_use]
-    pub fn logits<'f, I>(&self, own: &Feature, degree: u8, neighbours: I) -> Logits
-    where
-        I: IntoIterator<Item = NeighbourFeature<'f>>,
-        I::IntoIter: Clone,
-    {
-        let neighbours = neighbours.into_iter().take(MAX_NEIGHBOURS);
+    pub fn logits<'f>(
+        &self,
+        own: &Feature,
+        degree: u8,
+        neighbours: impl IntoIterator<Item = NeighbourFeature<'f>>,
+    ) -> Logits {
+        let mut first: Vec<_, MAX_NEIGHBOURS> = Vec::new();
+        for n in neighbours {
+            if first.push(n).is_err() {
+                break;
+            }
+        }
+        self.logits_among(own, degree, &first)
+    }
+
+    /// [`Self::logits`] once in the program, whatever iterators feed it.
+    #[inline(never)]
+    fn logits_among(&self, own: &Feature, degree: u8, neighbours: &[NeighbourFeature<'_>]) -> Logits {
+        let neighbours = neighbours.iter().copied();
         let mut joined = [0i16; 2 * MAX_FEATURE];
         for (x, &h) in joined.iter_mut().zip(&own.values) {
             *x = i16::from(h);

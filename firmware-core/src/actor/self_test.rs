@@ -54,24 +54,15 @@ impl<'a> SelfTest<'a> {
             *o = b as i8;
         }
         let own = actor.encode(&observation);
-        // Features lie in the file as bytes; a neighbour at a time is copied out.
-        let mut store = [[0i8; super::MAX_FEATURE]; MAX_NEIGHBOURS];
-        let mut heads = [(1u8, 0i16); MAX_NEIGHBOURS];
-        let records = self.neighbours.chunks_exact(NEIGHBOUR_HEAD + self.feature);
-        let count = records.len();
-        for ((record, values), head) in records.zip(&mut store).zip(&mut heads) {
-            if let [degree, low, high, feature @ ..] = record {
-                *head = (*degree, i16::from_le_bytes([*low, *high]));
-                for (v, &b) in values.iter_mut().zip(feature) {
-                    *v = b as i8;
-                }
-            }
-        }
-        let neighbours = store.iter().zip(&heads).take(count).map(|(values, &(degree, attended))| NeighbourFeature {
-            values: values.get(..self.feature).unwrap_or(&[]),
-            degree,
-            attended,
-        });
+        let neighbours =
+            self.neighbours.chunks_exact((NEIGHBOUR_HEAD + self.feature).max(1)).map(|record| match record {
+                &[degree, low, high, ref feature @ ..] => NeighbourFeature {
+                    values: bytemuck::try_cast_slice(feature).unwrap_or_default(),
+                    degree,
+                    attended: i16::from_le_bytes([low, high]),
+                },
+                _ => NeighbourFeature { values: &[], degree: 1, attended: 0 },
+            });
         let logits = actor.logits(&own, self.degree, neighbours);
         logits.iter().zip(self.logits.chunks_exact(2)).all(|(l, b)| l.to_le_bytes() == *b)
     }

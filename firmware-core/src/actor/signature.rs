@@ -14,6 +14,8 @@ pub const SIGNATURE_CASES: u32 = 10_000;
 pub struct Signature {
     hash: Fnv,
     case: u32,
+    /// The neighbours' features of a case, kept here because they are much for a stack.
+    features: [[i8; MAX_FEATURE]; MAX_NEIGHBOURS],
 }
 
 impl Default for Signature {
@@ -26,7 +28,7 @@ impl Signature {
     /// No case yet.
     #[must_use]
     pub const fn new() -> Self {
-        Self { hash: Fnv::new(), case: 0 }
+        Self { hash: Fnv::new(), case: 0, features: [[0; MAX_FEATURE]; MAX_NEIGHBOURS] }
     }
 
     /// Adds the next fixed neighbourhood: a pseudo-random observation with 0 to 16
@@ -41,15 +43,14 @@ impl Signature {
         });
         let own = actor.encode(&observation);
         let count = (self.case % (MAX_NEIGHBOURS as u32 + 1)) as usize;
-        let mut features = [[0i8; MAX_FEATURE]; MAX_NEIGHBOURS];
         let mut heads = [(1u8, 0i16); MAX_NEIGHBOURS];
-        for (values, head) in features.iter_mut().zip(&mut heads).take(count) {
+        for (values, head) in self.features.iter_mut().zip(&mut heads).take(count) {
             values.iter_mut().for_each(|v| *v = (random.next_u32() >> 25) as i8);
             let r = random.next_u32();
             *head = (1 + (r % u32::from(MAX_DEGREE)) as u8, (r >> 16) as i16 / 16);
         }
         let width = usize::from(actor.dimensions().feature);
-        let neighbours = features.iter().zip(&heads).take(count).map(|(values, &(degree, attended))| {
+        let neighbours = self.features.iter().zip(&heads).take(count).map(|(values, &(degree, attended))| {
             NeighbourFeature { values: values.get(..width).unwrap_or(&[]), degree, attended }
         });
         let logits = actor.logits(&own, count as u8 + 1, neighbours);
