@@ -1,0 +1,91 @@
+//! `self-test` and `signature`: does this computer compute what the actor's exporter computed?
+
+use firmware_core::actor::{self, Actor, LoadError, SELF_TESTS, SIGNATURE_CASES, SelfTestError};
+use std::path::PathBuf;
+use std::{fs, io};
+use thiserror::Error;
+
+/// Why an actor file may not fly here.
+#[derive(Debug, Error)]
+pub enum ActorFileError {
+    /// The file cannot be read.
+    #[error("cannot read {}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's word.
+        source: io::Error,
+    },
+    /// It is no sound actor file.
+    #[error("{} is no actor file that can fly", path.display())]
+    Load {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: LoadError,
+    },
+    /// This computer gives other logits.
+    #[error("{} must not fly here", path.display())]
+    SelfTest {
+        /// The file.
+        path: PathBuf,
+        /// Which vector differs.
+        source: SelfTestError,
+    },
+}
+
+/// Arguments of `self-test`.
+#[derive(clap::Args)]
+pub struct SelfTest {
+    /// The actor file.
+    file: PathBuf,
+}
+
+impl SelfTest {
+    /// Prints one line when all vectors hold.
+    ///
+    /// # Errors
+    /// See [`ActorFileError`].
+    pub fn run(self) -> Result<(), ActorFileError> {
+        with_actor(self.file, |actor| {
+            println!("{SELF_TESTS} vectors hold, actor {:016x}", actor.content_hash());
+        })
+    }
+}
+
+/// Arguments of `signature`.
+#[derive(clap::Args)]
+pub struct Signature {
+    /// The actor file.
+    file: PathBuf,
+    /// Neighbourhoods to decide.
+    #[arg(long, default_value_t = SIGNATURE_CASES)]
+    cases: u32,
+}
+
+impl Signature {
+    /// Prints the signature, 16 hexadecimal digits.
+    ///
+    /// # Errors
+    /// See [`ActorFileError`]; the self-test comes first.
+    pub fn run(self) -> Result<(), ActorFileError> {
+        with_actor(self.file, |actor| println!("{:016x}", actor::signature(actor, self.cases)))
+    }
+}
+
+/// Calls `action` with the actor of the file, which has passed its self-test.
+fn with_actor(path: PathBuf, action: impl FnOnce(&Actor<'_>)) -> Result<(), ActorFileError> {
+    let bytes = match fs::read(&path) {
+        Ok(bytes) => bytes,
+        Err(source) => return Err(ActorFileError::Read { path, source }),
+    };
+    let actor = match Actor::load(&bytes) {
+        Ok(actor) => actor,
+        Err(source) => return Err(ActorFileError::Load { path, source }),
+    };
+    if let Err(source) = actor.self_test() {
+        return Err(ActorFileError::SelfTest { path, source });
+    }
+    action(&actor);
+    Ok(())
+}
