@@ -315,8 +315,14 @@ impl<'a> Actor<'a> {
             return Err(LoadError::Observation { found: body.observation });
         }
         check_dimensions(body.dimensions)?;
-        let (mut weights, mut tables) = (body.weights, body.tables);
         let d = body.dimensions;
+        let needed = d.layers(body.aggregation).fold((0, 0), |(weights, tables), (rows, columns)| {
+            (weights + Layer::weight_bytes(rows, columns), tables + Layer::table_bytes(rows))
+        });
+        if (body.weights.len(), body.tables.len()) != needed {
+            return Err(LoadError::Length);
+        }
+        let (mut weights, mut tables) = (body.weights, body.tables);
         let mut take = |rows: u16, columns: usize| {
             Layer::take(&mut weights, &mut tables, usize::from(rows), columns).map_err(LoadError::from)
         };
@@ -329,9 +335,6 @@ impl<'a> Actor<'a> {
         let graph = if graphed { take(d.feature, feature)? } else { Layer::default() };
         let head = take(d.head, if graphed { 2 * feature } else { feature })?;
         let output = take(d.actions, usize::from(d.head))?;
-        if !weights.is_empty() || !tables.is_empty() {
-            return Err(LoadError::Length);
-        }
         if body.aggregate_multiplier < 0 {
             return Err(LoadError::OutOfRange);
         }
