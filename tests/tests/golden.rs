@@ -2,7 +2,8 @@
 //!
 //! Reads every `*.json` in the folder named by `GOLDEN_DIR`, or in `golden/` beside
 //! this package. A file holds `side`, `n_uav`, `uav` and `poi` (positions at reset, u),
-//! `actions[step][uav]` and `steps[step]`, the state after that action.
+//! `actions[step][uav]` and `steps[step]`, the state after that action. Other keys are
+//! notes of whoever wrote the file and are passed over.
 
 use covey_env::{Scenario, World};
 use firmware_core::action::Action;
@@ -13,7 +14,6 @@ use std::path::{Path, PathBuf};
 const TOLERANCE: f64 = 1e-3;
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 struct Episode {
     side: f32,
     n_uav: usize,
@@ -24,7 +24,6 @@ struct Episode {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 struct Step {
     pos: Vec<(f64, f64)>,
     vel: Vec<(f64, f64)>,
@@ -52,10 +51,14 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
+fn parse(text: &str) -> serde_json::Result<Episode> {
+    serde_json::from_str(text)
+}
+
 fn read(file: &Path) -> Episode {
     let name = file.display();
     let text = std::fs::read_to_string(file).unwrap_or_else(|e| panic!("{name}: {e}"));
-    let episode: Episode = serde_json::from_str(&text).unwrap_or_else(|e| panic!("{name}: not a golden episode: {e}"));
+    let episode = parse(&text).unwrap_or_else(|e| panic!("{name}: not a golden episode: {e}"));
     let n = episode.n_uav;
     assert_eq!(episode.uav.len(), n, "{name}: uav has not n_uav entries");
     assert!(!episode.steps.is_empty(), "{name}: steps is empty");
@@ -126,4 +129,31 @@ fn golden_episodes_are_followed_step_by_step() {
     for file in &files {
         replay(file);
     }
+}
+
+/// One UAV that hovers for a step.
+const SHORT: &str = r#"{
+    "side": 200, "n_uav": 1, "uav": [[50, 60]], "poi": [[52, 60]], "actions": [[16]], "made_by": "someone",
+    "steps": [{
+        "pos": [[50, 60]], "vel": [[0, 0]], "degree": [0], "group_size": [1], "individual": [1], "group": [1],
+        "near_border": [false], "energy": [0.5], "reward": [2], "covered": 1, "comment": {"any": "thing"}
+    }]
+}"#;
+
+#[test]
+fn keys_beyond_the_episode_are_passed_over() {
+    let episode = parse(SHORT).expect("an episode with two more keys");
+    assert_eq!((episode.n_uav, episode.steps[0].covered), (1, 1));
+}
+
+#[test]
+fn a_key_that_is_missing_or_of_another_type_is_named() {
+    let refusal = |from: &str, to: &str| {
+        let text = SHORT.replace(from, to);
+        assert_ne!(text, SHORT);
+        parse(&text).err().expect("refused").to_string()
+    };
+    assert!(refusal("\"reward\"", "\"rewards\"").contains("reward"));
+    assert!(refusal("\"n_uav\"", "\"n\"").contains("n_uav"));
+    assert!(refusal("[false]", "[0]").contains("boolean"));
 }

@@ -1,0 +1,186 @@
+//! Whole episodes flown the way boards fly: every UAV has its own neighbour table and
+//! knows the others only by the bytes they send. Observations, logits and actions are
+//! those of the environment's policy, step by step, so what was trained is what flies.
+
+use covey_env::{ActorPolicy, Law, Scenario, World};
+use firmware_core::action::Action;
+use firmware_core::actor::{Actor, Feature, Logits, Mode, NeighbourFeature};
+use firmware_core::geometry::{COMMUNICATION_RANGE_U, SPEED_CAP_U, State, TICKS_PER_U, Vec2};
+use firmware_core::message::{self, Beacon, Header, MAX_LEN, Message};
+use firmware_core::neighbour_table::{DEFAULT_STEP_MS, MAX_AGE_STEPS, Moment, NeighbourTable, Policy};
+use firmware_core::observation::{MAX_NEIGHBOURS, Neighbours, Observation, Scene, observe};
+use std::path::Path;
+
+const SEED: u64 = 41;
+/// A radio that reaches this far makes flight the same as training, u: whoever leaves
+/// communication range is heard until no extrapolation of a last beacon (up to two
+/// steps, each off by up to twice the speed cap) can bring it back.
+const REACH_U: i32 = COMMUNICATION_RANGE_U + MAX_AGE_STEPS * 2 * SPEED_CAP_U;
+/// A radio that reaches everyone.
+const EVERYWHERE_U: i32 = 1000;
+/// Sequence numbers and clock wrap around in the middle of an episode.
+const FIRST_SEQUENCE: u16 = u16::MAX - 20;
+const FIRST_TIME_MS: u32 = u32::MAX - 50_000;
+
+fn committed(name: &str) -> Vec<u8> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware-core/tests/data");
+    std::fs::read(folder.join(format!("{name}.actor"))).expect("a committed sample actor")
+}
+
+/// What one board holds.
+struct Board<'a> {
+    id: u16,
+    actor: Actor<'a>,
+    table: NeighbourTable,
+    view: Neighbours,
+    own: State,
+    now: Moment,
+    observation: Observation,
+    feature: Feature,
+}
+
+impl<'a> Board<'a> {
+    fn new(id: u16, actor: Actor<'a>) -> Self {
+        let table = NeighbourTable::new(id, Policy::of(&actor), DEFAULT_STEP_MS);
+        let observation = [0; _];
+        let feature = actor.encode(&observation);
+        let (own, now) = (State::default(), Moment::default());
+        Self { id, actor, table, view: Neighbours::new(), own, now, observation, feature }
+    }
+
+    fn header(&self) -> Header {
+        let sequence = FIRST_SEQUENCE.wrapping_add(self.now.step as u16);
+        Header { id: self.id, sequence, step: self.now.step }
+    }
+
+    fn tie(&self) -> i8 {
+        self.actor.tie_breaker(SEED, self.id, self.now.step)
+    }
+
+    /// A new step: measures the own state and tells it.
+    fn beacon(&mut self, own: State, step: u32) -> Vec<u8> {
+        let time_ms = FIRST_TIME_MS.wrapping_add(step * u32::from(DEFAULT_STEP_MS));
+        (self.own, self.now) = (own, Moment { step, time_ms });
+        bytes(&Message::Beacon(Beacon::new(self.header(), time_ms, own, self.tie())))
+    }
+
+    fn hear(&mut self, bytes: &[u8]) {
+        let message = Message::decode(bytes).expect("what a board sends is a message");
+        // Far senders may be turned away; the comparison below tells if a near one was.
+        let _ = self.table.hear(&message, self.own.position, self.now);
+    }
+
+    /// Looks, encodes and tells the feature, if the policy uses any.
+    fn encode(&mut self, half_side: i32, pois: &[Vec2]) -> Option<Vec<u8>> {
+        self.table.view(self.own.position, self.now, &mut self.view);
+        let scene = Scene { id: self.id, own: self.own, tie: self.tie(), half_side, neighbours: &self.view };
+        self.observation = observe(&scene, pois.iter().copied());
+        self.feature = self.actor.encode(&self.observation);
+        let message = message::Feature::of(self.header(), self.degree(), &self.actor, &self.feature)?;
+        Some(bytes(&Message::Feature(message)))
+    }
+
+    fn degree(&self) -> u8 {
+        self.view.as_slice().len() as u8 + 1
+    }
+
+    fn decide(&self, mode: Mode) -> (Logits, Action) {
+        let heard: Vec<NeighbourFeature<'_>> =
+            self.table.features(&self.view, self.now.step).map(|(_, feature)| feature).collect();
+        let logits = self.actor.logits(&self.feature, self.degree(), heard);
+        (logits, self.actor.choose(&logits, mode, SEED, self.id, self.now.step))
+    }
+}
+
+fn bytes(message: &Message) -> Vec<u8> {
+    message.encode(&mut [0; MAX_LEN]).to_vec()
+}
+
+/// Delivers what everyone says to everyone whom the radio reaches, each in an order of
+/// its own.
+fn exchange(boards: &mut [Board<'_>], said: &[Option<Vec<u8>>], reach_u: i32) {
+    let places: Vec<Vec2> = boards.iter().map(|b| b.own.position).collect();
+    let n = boards.len();
+    let square = |v: i32| i64::from(v).pow(2);
+    for (i, board) in boards.iter_mut().enumerate() {
+        for j in (0..n).map(|k| (2 * n - 1 - k + i) % n).filter(|&j| j != i) {
+            let offset = places[j] - places[i];
+            let near = square(offset.x) + square(offset.y) <= square(reach_u * TICKS_PER_U);
+            if let (true, Some(bytes)) = (near, &said[j]) {
+                board.hear(bytes);
+            }
+        }
+    }
+}
+
+/// Flies an episode both ways and returns the greatest number of neighbours seen and the
+/// number of links.
+fn fly(file: &[u8], scenario: &Scenario, mode: Mode, reach_u: i32) -> (u8, usize) {
+    let actor = Actor::load(file).expect("sound");
+    actor.self_test().expect("sound");
+    let mut world = World::new(scenario).expect("a scenario");
+    world.reset(SEED, 3);
+    let mut trained = ActorPolicy::new(actor, SEED, mode);
+    let mut boards: Vec<_> = (0..scenario.uavs).map(|i| Board::new(i as u16, actor)).collect();
+    let pois: Vec<Vec2> = world.poi_x().iter().zip(world.poi_y()).map(|(&x, &y)| Vec2::from_u(x, y)).collect();
+    let (mut most, mut links) = (0, 0);
+    while !world.done() {
+        let step = world.steps_done();
+        let state = |i: usize| {
+            let ((x, y), (vx, vy)) = (world.position(i), world.velocity(i));
+            State { position: Vec2::from_u(x, y), velocity: Vec2::from_u(vx, vy) }
+        };
+        let beacons: Vec<_> = boards.iter_mut().enumerate().map(|(i, b)| Some(b.beacon(state(i), step))).collect();
+        exchange(&mut boards, &beacons, reach_u);
+        let features: Vec<_> = boards.iter_mut().map(|b| b.encode(scenario.half_side_ticks(), &pois)).collect();
+        exchange(&mut boards, &features, reach_u);
+        trained.look(&world);
+        let mut actions = Vec::new();
+        for (i, board) in boards.iter().enumerate() {
+            let (logits, action) = board.decide(mode);
+            let at = format!("step {step}, UAV {i}");
+            assert_eq!(board.observation, trained.observations()[i], "{at}: observation");
+            let ids: Vec<u16> = board.view.as_slice().iter().map(|n| n.id).collect();
+            assert_eq!(ids, trained.links()[i].as_slice(), "{at}: neighbours");
+            assert_eq!(logits, trained.logits(i), "{at}: logits");
+            assert_eq!(action, trained.choose(&logits, i, step), "{at}: action");
+            most = most.max(trained.links()[i].count);
+            links += ids.len();
+            actions.push(action);
+        }
+        world.step(&actions);
+    }
+    (most, links)
+}
+
+const KINDS: [&str; 3] = ["sample-none", "sample-gcn", "sample-gat"];
+
+#[test]
+fn the_papers_swarm_flies_as_it_was_trained() {
+    for name in KINDS {
+        for mode in [Mode::Sample, Mode::Argmax] {
+            let (_, links) = fly(&committed(name), &Scenario::default(), mode, REACH_U);
+            assert!(links > 100, "{name}: only {links} links in the episode");
+        }
+    }
+}
+
+/// More UAVs in reach than a table holds.
+#[test]
+fn a_dense_swarm_flies_as_it_was_trained() {
+    let scenario = Scenario { uavs: 70, pois: 60, side_u: 80.0, steps: 60, law: Law::Uniform };
+    for name in KINDS {
+        for reach_u in [REACH_U, EVERYWHERE_U] {
+            let (most, _) = fly(&committed(name), &scenario, Mode::Sample, reach_u);
+            assert_eq!(usize::from(most), MAX_NEIGHBOURS, "{name}: never a full table");
+        }
+    }
+}
+
+#[test]
+fn one_uav_alone_flies_as_it_was_trained() {
+    for name in KINDS {
+        let scenario = Scenario { uavs: 1, ..Scenario::default() };
+        assert_eq!(fly(&committed(name), &scenario, Mode::Sample, EVERYWHERE_U), (0, 0));
+    }
+}
