@@ -7,7 +7,7 @@ A second implementation of docs/actor-file.md and docs/actor.md: standard librar
 only, whole numbers only, not a line shared with the Rust code. It checks the CRC-32
 and the content hash, recomputes the logits of the self-test vectors, and with
 --signature the signature over the first CASES neighbourhoods (10,000 by convention,
-which takes Python some minutes). Exit status 1 when the file is not a sound actor.
+which takes half a minute). Exit status 1 when the file is not a sound actor.
 """
 
 import argparse
@@ -19,7 +19,7 @@ from operator import mul
 from typing import NamedTuple
 
 MAGIC, VERSION, HEADER, TRAILER = b"COVEYACT", 1, 16, 4
-OBSERVATION_FORM, OBSERVATION, ACTIONS = 1, 140, 17
+OBSERVATION_FORM, OBSERVATION, ACTIONS = 1, 160, 17
 NEIGHBOURS, MAX_FEATURE, MAX_ROWS, MAX_BIAS = 16, 64, 128, 1 << 24
 SELF_TESTS = 8
 AGGREGATIONS = ("none", "gcn", "gat")
@@ -367,16 +367,19 @@ def main():
     except (OSError, NotSound) as error:
         sys.exit(f"{args.file}: not a sound actor: {error}")
     p = body.provenance
-    print(f"file          {args.file}: a sound actor, {len(data)} bytes")
-    print(f"aggregation   {actor.aggregation}")
-    print(f"widths        {' '.join(map(str, body.widths))}")
-    print(f"tie period    {body.tie_period}")
-    print(f"content hash  {own_hash:016x}, in messages {(own_hash ^ own_hash >> 32) & 0xFFFFFFFF:08x}")
-    print(f"self-test     {tests} of {tests} vectors give the same logits")
-    print(f"trained by    {p.trainer} on {p.scenario}, {p.uavs} UAVs, seed {p.seed}, {p.episodes} episodes")
-    print(f"coverage      {p.int8_coverage}/10000 int8, {p.float_coverage}/10000 float, {p.worlds} worlds")
+    lines = [
+        f"file          {args.file}: a sound actor, {len(data)} bytes",
+        f"aggregation   {actor.aggregation}",
+        f"widths        {' '.join(map(str, body.widths))}",
+        f"tie period    {body.tie_period}",
+        f"content hash  {own_hash:016x}, in messages {(own_hash ^ own_hash >> 32) & 0xFFFFFFFF:08x}",
+        f"self-test     {tests} of {tests} vectors give the same logits",
+        f"trained by    {p.trainer} on {p.scenario}, {p.uavs} UAVs, seed {p.seed}, {p.episodes} episodes",
+        f"coverage      {p.int8_coverage}/10000 int8, {p.float_coverage}/10000 float, {p.worlds} worlds",
+    ]
     if args.signature:
-        print(f"signature     {signature(actor, args.signature):016x} over {args.signature} cases")
+        lines.append(f"signature     {signature(actor, args.signature):016x} over {args.signature} cases")
+    print("\n".join(lines))
 
 
 if __name__ == "__main__":
