@@ -170,6 +170,9 @@ pub struct Export {
     /// Run folder.
     #[arg(value_name = "RUN_DIR")]
     pub run: PathBuf,
+    /// Divides the logits by this instead of the run's `temperature`.
+    #[arg(long, value_name = "T")]
+    pub temperature: Option<f64>,
     /// Actor file to write.
     #[arg(long, value_name = "FILE.postcard")]
     pub out: PathBuf,

@@ -63,10 +63,11 @@ pub fn actor_file(s: &Settings, state: &State) -> Result<Finished, QuantiseError
     // Calibration worlds are neither training nor held-out ones.
     let file = quantise(&float, &s.world(), s.seed ^ 0x6361_6c69, s.calibration_worlds, provenance)?;
     let trial = trial(s);
-    let int8 = Subject::Int8(Actor::load(&file)?).measure(&format!("{} int8", s.graph.0.name()), &trial)?;
+    let actor = Actor::load(&file)?;
+    let int8 = Subject::Int8(&actor).measure(&format!("{} int8", s.graph.0.name()), &trial)?;
     let by_float = Subject::Float(&float).measure(&format!("{} float", s.graph.0.name()), &trial)?;
     let compared = Trial { worlds: trial.worlds.min(AGREEMENT_WORLDS), ..trial.clone() };
-    let (agreeing, decisions) = agreement(&Actor::load(&file)?, &float, &compared)?;
+    let (agreeing, decisions) = agreement(&actor, &float, &compared)?;
     let share = |c: f64| (c * 10_000.0).round() as u16;
     let provenance = Provenance {
         worlds: trial.worlds,

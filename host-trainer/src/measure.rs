@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 /// A policy that can be measured.
 pub enum Subject<'a> {
     /// The on-board actor.
-    Int8(Actor<'a>),
+    Int8(&'a Actor<'a>),
     /// The trained network in floats.
     Float(&'a FloatActor),
     /// A hand-written policy or an oracle.
@@ -159,7 +159,7 @@ impl Subject<'_> {
     /// by the measurement.
     fn policy(&self, trial: &Trial, index: u64) -> Box<dyn Policy + '_> {
         match self {
-            Self::Int8(actor) => Box::new(ActorPolicy::new(*actor, policy_seed(trial.seed, index), trial.mode)),
+            Self::Int8(actor) => Box::new(ActorPolicy::new(**actor, policy_seed(trial.seed, index), trial.mode)),
             Self::Written(PolicyArg::Random) => Box::new(Random::new(trial.seed, index)),
             Self::Written(PolicyArg::Greedy) => Box::new(Greedy::new()),
             Self::Written(PolicyArg::Centroid) => Box::new(Centroid::new(trial.seed, index)),

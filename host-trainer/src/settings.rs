@@ -72,8 +72,8 @@ pub struct Key {
     pub default: fn() -> String,
     /// Bounds.
     pub allowed: &'static str,
-    /// Meaning.
-    pub doc: &'static str,
+    /// Meaning, line by line.
+    pub doc: &'static [&'static str],
 }
 
 macro_rules! settings {
@@ -91,7 +91,7 @@ macro_rules! settings {
             name: stringify!($key),
             default: || Value::show(&Settings::default().$key),
             allowed: $allowed,
-            doc: concat!($($doc),+),
+            doc: &[$($doc),+],
         },)*];
 
         impl Settings {
@@ -334,6 +334,12 @@ impl Settings {
                 self.segment,
                 self.steps,
                 (1..=self.segment).rev().find(|s| self.steps.is_multiple_of(*s)).unwrap_or(1)
+            )));
+        }
+        if self.eval_seed == self.seed {
+            return Err(SettingsError::Together(format!(
+                "`eval_seed` and `seed` are both {}: held-out worlds must not be training worlds; change one of them",
+                self.seed
             )));
         }
         if self.shards > self.worlds {

@@ -163,7 +163,7 @@ impl<'a> Actor<'a> {
         self.content_hash
     }
 
-    /// The half of the content hash that feature messages carry.
+    /// What feature messages carry of the content hash: its lower half XOR its upper half.
     #[must_use]
     pub const fn message_hash(&self) -> u32 {
         (self.content_hash ^ (self.content_hash >> 32)) as u32

@@ -32,16 +32,20 @@ pub fn run(args: &Eval) -> Result<()> {
             .wrap_err("the run has no actor file yet; make one with `host-trainer export`")?,
         _ => SHIPPED.to_vec(),
     };
-    let float = match &args.run {
-        Some(run) if args.float => {
-            let (settings, checkpoint) = RunFolder::open(run).into_diagnostic()?.load().into_diagnostic()?;
-            Some(FloatActor::new(&settings, checkpoint.state.actor))
+    let mut worlds = Scenario::default();
+    let mut float = None;
+    if let Some(run) = &args.run {
+        // Worlds as the run has them, but for what the flags say.
+        let folder = RunFolder::open(run).into_diagnostic()?;
+        worlds = folder.settings().into_diagnostic()?.world();
+        if args.float {
+            let (settings, checkpoint) = folder.load().into_diagnostic()?;
+            float = Some(FloatActor::new(&settings, checkpoint.state.actor));
         }
-        _ => None,
-    };
+    }
     let mut rows = Vec::new();
     for &uavs in &args.uavs {
-        let scenario = Scenario { uavs: usize::from(uavs), law: args.scenario.into(), ..Scenario::default() };
+        let scenario = Scenario { uavs: usize::from(uavs), law: args.scenario.into(), ..worlds.clone() };
         let trial = Trial { scenario, seed: args.seed, worlds: args.worlds, mode };
         rows.extend(one(args, &bytes, float.as_ref(), &trial)?);
     }
@@ -60,7 +64,7 @@ fn one(args: &Eval, bytes: &[u8], float: Option<&FloatActor>, trial: &Trial) -> 
     }
     let actor = load(bytes)?;
     let name = actor.aggregation().name();
-    let mut rows = vec![Subject::Int8(actor).measure(&format!("{name} int8"), trial).into_diagnostic()?];
+    let mut rows = vec![Subject::Int8(&actor).measure(&format!("{name} int8"), trial).into_diagnostic()?];
     if let Some(float) = float {
         rows.push(Subject::Float(float).measure(&format!("{name} float"), trial).into_diagnostic()?);
         let (agreeing, all) = agreement(&actor, float, trial).into_diagnostic()?;

@@ -12,7 +12,10 @@ use miette::{IntoDiagnostic, Result};
 /// When the run cannot be read or the file not be written.
 pub fn run(args: &Export) -> Result<()> {
     let folder = RunFolder::open(&args.run).into_diagnostic()?;
-    let (settings, checkpoint) = folder.load().into_diagnostic()?;
+    let (mut settings, checkpoint) = folder.load().into_diagnostic()?;
+    if let Some(t) = args.temperature {
+        settings.set(&format!("temperature={t:?}")).into_diagnostic()?;
+    }
     let done = actor_file(&settings, &checkpoint.state).into_diagnostic()?;
     atomic::write(&args.out, &done.file).into_diagnostic()?;
     println!(

@@ -38,7 +38,7 @@ pub fn run(command: &Command) -> Result<()> {
 fn settings_page() -> String {
     let mut out = String::from("# Settings of a training run with their defaults. Use with train --config.\n\n");
     for key in KEYS {
-        for line in key.doc.lines() {
+        for line in key.doc {
             out += &format!("#{line}\n");
         }
         out += &format!("# {}\n{} = {}\n\n", key.allowed, key.name, (key.default)());

@@ -10,6 +10,7 @@ use crate::net::{Layout, dimensions, initialise};
 use crate::settings::Settings;
 use burn::tensor::Device;
 use covey_env::{EpisodeMetrics, ScenarioError};
+use covey_report::metrics::nan_as_null;
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
@@ -39,34 +40,49 @@ pub struct Row {
     /// Agent-steps so far.
     pub agent_steps: u64,
     /// Coverage index, mean over steps and the round's episodes.
+    #[serde(with = "nan_as_null")]
     pub coverage: f64,
     /// Coverage after the last step.
+    #[serde(with = "nan_as_null")]
     pub coverage_last: f64,
     /// Energy index.
+    #[serde(with = "nan_as_null")]
     pub energy: f64,
     /// PoIs a UAV alone covers in its group.
+    #[serde(with = "nan_as_null")]
     pub individual: f64,
     /// PoIs its group covers.
+    #[serde(with = "nan_as_null")]
     pub group: f64,
     /// Episodic reward.
+    #[serde(with = "nan_as_null")]
     pub reward: f64,
     /// Clipped surrogate, negated.
+    #[serde(with = "nan_as_null")]
     pub policy_loss: f64,
     /// Value loss (of normalised returns).
+    #[serde(with = "nan_as_null")]
     pub value_loss: f64,
     /// Entropy of the policy, nats.
+    #[serde(with = "nan_as_null")]
     pub entropy: f64,
     /// Estimated KL divergence between the policies before and within an update, nats.
+    #[serde(with = "nan_as_null")]
     pub kl: f64,
     /// Share of samples whose ratio left the clip range.
+    #[serde(with = "nan_as_null")]
     pub clip_fraction: f64,
     /// Norm of the actor's gradient before clipping.
+    #[serde(with = "nan_as_null")]
     pub actor_gradient: f64,
     /// Norm of the critic's gradient before clipping.
+    #[serde(with = "nan_as_null")]
     pub critic_gradient: f64,
     /// Share of the variance of returns that the values explain.
+    #[serde(with = "nan_as_null")]
     pub explained_variance: f64,
     /// Learning rate.
+    #[serde(with = "nan_as_null")]
     pub learning_rate: f64,
 }
 
@@ -209,7 +225,7 @@ impl Trainer {
             self.play(&s, workers);
             explained += self.explained_variance() / f64::from(segments);
             let number = u64::from(self.state.rounds) * u64::from(segments) + u64::from(segment);
-            let progress = number as f64 / f64::from(s.rounds() * segments);
+            let progress = number as f64 / (f64::from(s.rounds()) * f64::from(segments));
             rate = s.learning_rate * (1.0 - (1.0 - s.learning_rate_end) * progress);
             let outcome = self.learn(&s, workers, number, progress, rate);
             total.sums.add(&outcome.sums);

@@ -89,9 +89,9 @@ pub fn update(learner: &mut Learner<'_>, segment: &Segment<'_>, plan: &Plan, wor
             let batch = &places[m * places.len() / count..(m + 1) * places.len() / count];
             let sums = gradient(learner, segment, plan, workers, batch, &mut gradients);
             outcome.sums.add(&sums);
-            for k in 0..2 {
-                outcome.norms[k] +=
-                    learner.adam[k].step(learner.values[k], &gradients[k], plan.learning_rate, plan.gradient_norm);
+            let networks = learner.adam.iter_mut().zip(&mut learner.values).zip(&gradients);
+            for (norm, ((adam, values), gradient)) in outcome.norms.iter_mut().zip(networks) {
+                *norm += adam.step(values, gradient, plan.learning_rate, plan.gradient_norm);
             }
             outcome.minibatches += 1.0;
         }
