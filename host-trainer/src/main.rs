@@ -5,6 +5,9 @@ use host_trainer::{cli::Cli, commands};
 
 fn main() -> miette::Result<()> {
     tune_process();
+    // Lines are not broken: commands and paths in messages can be copied. It fails only
+    // where a hook is set already.
+    let _ = miette::set_hook(Box::new(|_| Box::new(miette::MietteHandlerOpts::new().wrap_lines(false).build())));
     commands::run(&Cli::parse().command)
 }
 

@@ -55,6 +55,14 @@ pub enum SettingsError {
         /// The bounds.
         allowed: &'static str,
     },
+    /// What is wrong in a file.
+    #[error("{path}: {error}")]
+    In {
+        /// The file.
+        path: String,
+        /// What is wrong.
+        error: Box<Self>,
+    },
     /// `--set` without `=`.
     #[error("`--set {0}` has no value; write `--set key=value`")]
     NoValue(String),
@@ -298,7 +306,10 @@ impl Settings {
         let table: toml::Table = text
             .parse()
             .map_err(|e: toml::de::Error| SettingsError::Syntax { path: path.to_owned(), message: e.to_string() })?;
-        table.iter().try_for_each(|(key, value)| self.put(key, value))
+        table
+            .iter()
+            .try_for_each(|(key, value)| self.put(key, value))
+            .map_err(|e| SettingsError::In { path: path.to_owned(), error: Box::new(e) })
     }
 
     /// Reads a TOML file over these settings.

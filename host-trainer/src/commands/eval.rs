@@ -26,11 +26,14 @@ pub fn run(args: &Eval) -> Result<()> {
         DecideArg::Sample => Mode::Sample,
         DecideArg::Argmax => Mode::Argmax,
     };
-    let bytes = match (&args.model, &args.run) {
-        (Some(file), _) => read(file)?,
-        (_, Some(run)) => read(&RunFolder::open(run).into_diagnostic()?.actor())
-            .wrap_err("the run has no actor file yet; make one with `host-trainer export`")?,
-        _ => SHIPPED.to_vec(),
+    let (bytes, name) = match (&args.model, &args.run) {
+        (Some(file), _) => (read(file)?, file.display().to_string()),
+        (_, Some(run)) => {
+            let file = RunFolder::open(run).into_diagnostic()?.actor();
+            let bytes = read(&file).wrap_err("the run has no actor file yet; make one with `host-trainer export`")?;
+            (bytes, file.display().to_string())
+        }
+        _ => (SHIPPED.to_vec(), "the actor that comes with Covey".to_owned()),
     };
     let mut worlds = Scenario::default();
     let mut float = None;
@@ -47,7 +50,7 @@ pub fn run(args: &Eval) -> Result<()> {
     for &uavs in &args.uavs {
         let scenario = Scenario { uavs: usize::from(uavs), law: args.scenario.into(), ..worlds.clone() };
         let trial = Trial { scenario, seed: args.seed, worlds: args.worlds, mode };
-        rows.extend(one(args, &bytes, float.as_ref(), &trial)?);
+        rows.extend(one(args, (&bytes, &name), float.as_ref(), &trial)?);
     }
     if args.json {
         println!("{}", serde_json::to_string_pretty(&rows).into_diagnostic()?);
@@ -57,12 +60,12 @@ pub fn run(args: &Eval) -> Result<()> {
     Ok(())
 }
 
-/// The rows for one number of UAVs.
-fn one(args: &Eval, bytes: &[u8], float: Option<&FloatActor>, trial: &Trial) -> Result<Vec<EvalRow>> {
+/// The rows for one number of UAVs; `file` is the actor file's bytes and its name.
+fn one(args: &Eval, file: (&[u8], &str), float: Option<&FloatActor>, trial: &Trial) -> Result<Vec<EvalRow>> {
     if let Some(policy) = args.policy {
         return Ok(vec![Subject::Written(policy).measure(policy.name(), trial).into_diagnostic()?]);
     }
-    let actor = load(bytes)?;
+    let actor = load(file.0).wrap_err_with(|| format!("{} cannot fly", file.1))?;
     let name = actor.aggregation().name();
     let mut rows = vec![Subject::Int8(&actor).measure(&format!("{name} int8"), trial).into_diagnostic()?];
     if let Some(float) = float {

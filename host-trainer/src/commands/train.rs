@@ -26,6 +26,10 @@ const INTERRUPTED: i32 = 130;
 /// Bad settings, a folder that cannot be used, a disk that is full: the newest
 /// checkpoint stays intact.
 pub fn run(args: &Train) -> Result<()> {
+    // Before a run folder is made.
+    if args.threads == Some(0) {
+        return Err(miette!("--threads 0: use at least 1"));
+    }
     let stop = stop_on_ctrl_c()?;
     let (folder, trainer) = if let Some(dir) = &args.resume {
         let folder = RunFolder::open(dir).into_diagnostic()?;
@@ -38,9 +42,6 @@ pub fn run(args: &Train) -> Result<()> {
     };
     let shards = trainer.settings().shards as usize;
     let threads = args.threads.unwrap_or_else(|| cores().min(shards));
-    if threads == 0 {
-        return Err(miette!("--threads 0: use at least 1"));
-    }
     use_threads(Some(threads));
     let workers = Workers::new(threads.min(shards)).into_diagnostic()?;
     let mut session = Session::open(folder, trainer, args)?;

@@ -35,7 +35,7 @@ pub struct Checkpoint {
 #[derive(Debug, Error)]
 pub enum CheckpointError {
     /// There is none.
-    #[error("{0} holds no checkpoint; was the run interrupted before its first one? Start it anew")]
+    #[error("{0} holds no checkpoint: the run ended before its first one; delete the run folder and start it anew")]
     None(PathBuf),
     /// It cannot be read.
     #[error("cannot read {path}: {source}")]
