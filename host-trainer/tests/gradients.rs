@@ -1,0 +1,251 @@
+//! The networks in burn against the paper's equations written down in loops, and burn's
+//! gradients against slopes of those.
+
+use burn::tensor::{Device, Tensor, TensorData};
+use covey_env::{Law, Links, Observer, Scenario, World};
+use firmware_core::action::{ACTIONS, Action};
+use firmware_core::actor::{Aggregation, Dimensions};
+use firmware_core::observation::{LEN, Observation};
+use host_trainer::net::{ActorTensors, Batch, CriticTensors, Layout, actor_logits, critic_values, initialise};
+use host_trainer::train::floats;
+
+const UAVS: usize = 6;
+const DIMENSIONS: Dimensions =
+    Dimensions { observation: LEN as u16, hidden: 6, feature: 4, head: 6, actions: ACTIONS as u16 };
+
+/// A pseudo-random number in ±1 for each `k`.
+fn noise(k: usize) -> f64 {
+    let z = (k as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    ((z ^ (z >> 29)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+}
+
+/// What the UAVs of two crowded worlds see.
+fn situations() -> (Vec<Observation>, Vec<Links>) {
+    let scenario = Scenario { uavs: UAVS, pois: 30, side_u: 40.0, steps: 9, law: Law::Uniform };
+    let mut world = World::new(&scenario).expect("a scenario");
+    let (mut observations, mut links) = (vec![[0; LEN]; 2 * UAVS], vec![Links::default(); 2 * UAVS]);
+    for k in 0..2 {
+        world.reset(5, k as u64);
+        world.step(&[Action::new(3).expect("an action"); UAVS]);
+        let place = k * UAVS..(k + 1) * UAVS;
+        Observer::new(9, 1).observe(&world, &mut observations[place.clone()], &mut links[place]);
+    }
+    let degrees: Vec<u8> = links.iter().map(|l| l.count).collect();
+    assert!(degrees.contains(&0) && degrees.contains(&3) && degrees.contains(&5), "links of all kinds: {degrees:?}");
+    (observations, links)
+}
+
+/// A fresh network with biases that are not zero and outputs that are not tiny.
+fn parameters(layout: &Layout) -> Vec<f32> {
+    let mut values = initialise(layout, "test", 7);
+    values.iter_mut().enumerate().for_each(|(k, v)| *v += 0.3 * noise(k) as f32);
+    values
+}
+
+// --- The networks in loops, f64 -------------------------------------------------------
+
+/// A network's parameters by name.
+struct Named<'p> {
+    layout: &'p Layout,
+    values: &'p [f64],
+}
+
+impl Named<'_> {
+    fn piece(&self, name: &str) -> &[f64] {
+        let p = self.layout.pieces().iter().find(|p| p.name == name).unwrap_or_else(|| panic!("no piece {name}"));
+        &self.values[p.start..p.start + p.len()]
+    }
+
+    /// `x·W`.
+    fn times(&self, x: &[f64], weights: &str) -> Vec<f64> {
+        let w = self.piece(weights);
+        let outputs = w.len() / x.len();
+        assert_eq!(w.len(), outputs * x.len(), "{weights}");
+        (0..outputs).map(|o| x.iter().enumerate().map(|(i, x)| x * w[i * outputs + o]).sum()).collect()
+    }
+
+    /// `x·W + b`.
+    fn dense(&self, x: &[f64], weights: &str) -> Vec<f64> {
+        sum(self.times(x, weights), self.piece(&format!("{weights} bias")))
+    }
+
+    fn encode(&self, observation: &Observation) -> Vec<f64> {
+        let x: Vec<f64> = observation.iter().map(|&o| f64::from(o) / 127.0).collect();
+        relu(self.dense(&relu(self.dense(&x, "encoder1")), "encoder2"))
+    }
+}
+
+fn sum(a: Vec<f64>, b: &[f64]) -> Vec<f64> {
+    assert_eq!(a.len(), b.len());
+    a.into_iter().zip(b).map(|(a, b)| a + b).collect()
+}
+
+fn relu(v: Vec<f64>) -> Vec<f64> {
+    v.into_iter().map(|x| x.max(0.0)).collect()
+}
+
+/// Row i of the matrix by which features are weighed: `D^(−1/2) A D^(−1/2)` of equation
+/// (5), or α of equation (6).
+fn weights(p: &Named<'_>, aggregation: Aggregation, h: &[Vec<f64>], links: &[Links], i: usize) -> Vec<f64> {
+    // A has ones on its diagonal.
+    let linked = |i: usize, j: usize| i == j || links[i].as_slice().contains(&(j as u16));
+    let degree = |i: usize| (0..h.len()).filter(|&j| linked(i, j)).count() as f64;
+    if aggregation == Aggregation::Gcn {
+        return (0..h.len()).map(|j| if linked(i, j) { 1.0 / (degree(i) * degree(j)).sqrt() } else { 0.0 }).collect();
+    }
+    let a = [p.piece("attention receiver"), p.piece("attention sender")].concat();
+    let score = |j: usize| {
+        let both = [p.times(&h[i], "graph"), p.times(&h[j], "graph")].concat();
+        let s: f64 = both.iter().zip(&a).map(|(x, a)| x * a).sum();
+        if s < 0.0 { 0.2 * s } else { s }
+    };
+    let powers: Vec<f64> = (0..h.len()).map(|j| if linked(i, j) { score(j).exp() } else { 0.0 }).collect();
+    let total: f64 = powers.iter().sum();
+    powers.into_iter().map(|e| e / total).collect()
+}
+
+/// Logits of the UAVs of one world.
+fn actor(p: &Named<'_>, aggregation: Aggregation, observations: &[Observation], links: &[Links]) -> Vec<f64> {
+    let h: Vec<Vec<f64>> = observations.iter().map(|o| p.encode(o)).collect();
+    let mut logits = Vec::new();
+    for (i, own) in h.iter().enumerate() {
+        let mut head = p.times(own, "head own");
+        if aggregation != Aggregation::None {
+            // σ(Σ_j weight_ij·h_j·W): equations (5) and (7).
+            let mut y = p.piece("graph bias").to_vec();
+            for (weight, h) in weights(p, aggregation, &h, links, i).into_iter().zip(&h) {
+                let part: Vec<f64> = p.times(h, "graph").into_iter().map(|v| weight * v).collect();
+                y = sum(y, &part);
+            }
+            head = sum(head, &p.times(&relu(y), "head aggregate"));
+        }
+        logits.extend(p.dense(&relu(sum(head, p.piece("head bias"))), "output"));
+    }
+    logits
+}
+
+/// Values of the UAVs of one world.
+fn critic(p: &Named<'_>, observations: &[Observation]) -> Vec<f64> {
+    let e: Vec<Vec<f64>> = observations.iter().map(|o| p.encode(o)).collect();
+    let mean: Vec<f64> = (0..e[0].len()).map(|k| e.iter().map(|e| e[k]).sum::<f64>() / e.len() as f64).collect();
+    let shared = sum(p.times(&mean, "head mean"), p.piece("head bias"));
+    e.iter().flat_map(|own| p.dense(&relu(sum(p.times(own, "head own"), &shared)), "output")).collect()
+}
+
+// --- Comparison -----------------------------------------------------------------------
+
+/// A network both ways.
+trait Network {
+    fn layout(&self) -> Layout;
+    fn in_loops(&self, p: &Named<'_>, observations: &[Observation], links: &[Links]) -> Vec<f64>;
+    fn in_burn(&self, tensors: &[Tensor<2>], batch: &Batch) -> Tensor<2>;
+    fn aggregation(&self) -> Aggregation;
+}
+
+struct ActorNet(Aggregation);
+struct CriticNet;
+
+impl Network for ActorNet {
+    fn layout(&self) -> Layout {
+        Layout::actor(DIMENSIONS, self.0)
+    }
+    fn in_loops(&self, p: &Named<'_>, observations: &[Observation], links: &[Links]) -> Vec<f64> {
+        actor(p, self.0, observations, links)
+    }
+    fn in_burn(&self, tensors: &[Tensor<2>], batch: &Batch) -> Tensor<2> {
+        actor_logits(&ActorTensors::new(tensors, self.0), batch)
+    }
+    fn aggregation(&self) -> Aggregation {
+        self.0
+    }
+}
+
+impl Network for CriticNet {
+    fn layout(&self) -> Layout {
+        Layout::critic(DIMENSIONS)
+    }
+    fn in_loops(&self, p: &Named<'_>, observations: &[Observation], _: &[Links]) -> Vec<f64> {
+        critic(p, observations)
+    }
+    fn in_burn(&self, tensors: &[Tensor<2>], batch: &Batch) -> Tensor<2> {
+        critic_values(&CriticTensors(tensors), batch)
+    }
+    fn aggregation(&self) -> Aggregation {
+        Aggregation::Gcn
+    }
+}
+
+/// All worlds, one after the other.
+fn in_loops(net: &impl Network, layout: &Layout, values: &[f64], seen: &(Vec<Observation>, Vec<Links>)) -> Vec<f64> {
+    let worlds = seen.0.chunks_exact(UAVS).zip(seen.1.chunks_exact(UAVS));
+    worlds.flat_map(|(o, l)| net.in_loops(&Named { layout, values }, o, l)).collect()
+}
+
+fn check(net: &impl Network) {
+    let (layout, seen) = (net.layout(), situations());
+    let values = parameters(&layout);
+    let exact: Vec<f64> = values.iter().map(|&v| v.into()).collect();
+    let wanted = in_loops(net, &layout, &exact, &seen);
+    let scale = wanted.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    assert!(scale > 0.1, "a dead network shows nothing");
+
+    let plain = layout.tensors(&values, &Device::flex());
+    let batch = Batch::new(&seen.0, &seen.1, UAVS, net.aggregation(), &Device::flex());
+    for (k, (got, want)) in floats(net.in_burn(&plain, &batch)).into_iter().zip(&wanted).enumerate() {
+        assert!((f64::from(got) - want).abs() < 2e-6 * (1.0 + scale), "output {k}: {got}, not {want}");
+    }
+
+    // The slope of Σ_k c_k·output_k, forwards by autodiff and by two steps aside.
+    let coefficients: Vec<f64> = (0..wanted.len()).map(|k| noise(1_000_000 + k)).collect();
+    let device = Device::flex().autodiff();
+    let leaves: Vec<_> =
+        layout.tensors(&values, &Device::flex()).into_iter().map(|t| t.autodiff().require_grad()).collect();
+    let batch = Batch::new(&seen.0, &seen.1, UAVS, net.aggregation(), &device);
+    let output = net.in_burn(&leaves, &batch);
+    let weights: Vec<f32> = coefficients.iter().map(|&c| c as f32).collect();
+    let weights = Tensor::<2>::from_data(TensorData::new(weights, output.dims()), &Device::flex()).autodiff();
+    let mut gradients = (output * weights).sum().backward();
+    let mut slopes = vec![0.0; layout.len()];
+    layout.add_gradients(&leaves, &mut gradients, &mut slopes);
+
+    let total = |values: &[f64]| -> f64 {
+        in_loops(net, &layout, values, &seen).iter().zip(&coefficients).map(|(o, c)| o * c).sum()
+    };
+    let steepest = slopes.iter().fold(0.0f32, |m, s| m.max(s.abs()));
+    let aside = 1e-6;
+    for piece in layout.pieces() {
+        let mut moved = false;
+        for k in piece.start..piece.start + piece.len() {
+            let mut values = exact.clone();
+            values[k] += aside;
+            let above = total(&values);
+            values[k] -= 2.0 * aside;
+            let slope = (above - total(&values)) / (2.0 * aside);
+            let error = (slope - f64::from(slopes[k])).abs();
+            assert!(error < 1e-5 * f64::from(1.0 + steepest), "{} {k}: {}, not {slope}", piece.name, slopes[k]);
+            moved |= slope.abs() > 1e-3;
+        }
+        assert!(moved, "{}: nothing depends on it", piece.name);
+    }
+}
+
+#[test]
+fn the_actor_without_a_graph_is_as_written_down() {
+    check(&ActorNet(Aggregation::None));
+}
+
+#[test]
+fn the_gcn_actor_is_equation_5() {
+    check(&ActorNet(Aggregation::Gcn));
+}
+
+#[test]
+fn the_gat_actor_is_equations_6_and_7() {
+    check(&ActorNet(Aggregation::Gat));
+}
+
+#[test]
+fn the_critic_is_as_written_down() {
+    check(&CriticNet);
+}
