@@ -2,9 +2,10 @@
 
 use std::ffi::OsStr;
 use std::fmt;
+use std::fs::File;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitStatus, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
 
 use crate::error::{Error, Result};
 use crate::workspace;
@@ -73,6 +74,14 @@ impl Cmd {
         self
     }
 
+    /// The same, ended after this many seconds.
+    #[must_use]
+    pub fn within(mut self, seconds: u32) -> Self {
+        let program = std::mem::replace(&mut self.program, "timeout".into());
+        self.args.splice(..0, [seconds.to_string(), program]);
+        self
+    }
+
     fn build(&self) -> Command {
         let mut command = Command::new(&self.program);
         command.args(&self.args).current_dir(&self.folder).stdin(Stdio::null());
@@ -88,6 +97,28 @@ impl Cmd {
         let output = self.build().output().map_err(self.start_error())?;
         self.check(output.status, &String::from_utf8_lossy(&output.stderr))?;
         Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+    }
+
+    /// Runs it quietly and returns its standard output and error output, one behind the other.
+    ///
+    /// # Errors
+    /// It cannot be started, or it ends badly: then both are in the message.
+    pub fn read_all(&self) -> Result<String> {
+        let output = self.build().output().map_err(self.start_error())?;
+        let text = [output.stdout, output.stderr].concat();
+        let text = String::from_utf8_lossy(&text).into_owned();
+        self.check(output.status, &text)?;
+        Ok(text)
+    }
+
+    /// Starts it with both outputs in a file.
+    ///
+    /// # Errors
+    /// It cannot be started, or the file cannot be written.
+    pub fn spawn_into(&self, file: &Path) -> Result<Child> {
+        let out = File::create(file).map_err(Error::file(file))?;
+        let err = out.try_clone().map_err(Error::file(file))?;
+        self.build().stdout(out).stderr(err).spawn().map_err(self.start_error())
     }
 
     /// Runs it quietly: did it succeed?

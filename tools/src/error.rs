@@ -1,7 +1,7 @@
 //! What can go wrong in `cargo xtask`; each message says what to do next.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The result of a task.
 pub type Result<T> = std::result::Result<T, Error>;
@@ -68,12 +68,39 @@ pub enum Error {
     /// Something was installed but still does not work.
     #[error("{0}")]
     Setup(String),
+    /// A program printed something else than expected.
+    #[error("{command}\nprinted what makes no sense here:\n{printed}")]
+    Output {
+        /// The whole command, as one would type it.
+        command: String,
+        /// What it printed.
+        printed: String,
+    },
+    /// An executable is not what it should be.
+    #[error("{}: {what}", path.display())]
+    Elf {
+        /// The executable.
+        path: PathBuf,
+        /// What is wrong.
+        what: String,
+    },
+    /// Figures that are not what they should be, one a line.
+    #[error("figures that are not what they should be:\n{0}")]
+    Figures(String),
+    /// The actor link failed.
+    #[error("the link to the board: {0}")]
+    Link(#[from] covey_link::LinkError),
     /// A failure whose full account stands on the terminal already.
     #[error("failed, see above")]
     Reported,
 }
 
 impl Error {
+    /// Something about an executable.
+    pub fn elf(path: &Path, what: String) -> Self {
+        Self::Elf { path: path.into(), what }
+    }
+
     /// Wraps an I/O error with the file it is about.
     pub fn file(path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
         let path = path.into();

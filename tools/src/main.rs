@@ -1,8 +1,9 @@
-//! `cargo xtask`: set-up and the whole test run of Covey.
+//! `cargo xtask`: set-up, the whole test run, target images, sizes and costs of Covey.
 
 mod command;
 mod error;
 mod setup;
+mod targets;
 mod test;
 mod workspace;
 
@@ -16,6 +17,8 @@ use clap::Parser;
 enum Xtask {
     /// Install what the tests and the target builds need (Debian and its kin).
     Setup(setup::Args),
+    /// Build for every target, run it in emulators, measure it and check the figures.
+    Targets(targets::Args),
     /// Run every check and test, after setting up what they need.
     Test(test::Args),
 }
@@ -23,6 +26,7 @@ enum Xtask {
 fn main() -> ExitCode {
     let done = match Xtask::parse() {
         Xtask::Setup(args) => setup::main(&args),
+        Xtask::Targets(args) => targets::main(&args),
         Xtask::Test(args) => test::main(&args),
     };
     match done {

@@ -17,6 +17,17 @@ pub struct Layer<'a> {
     dense: Dense<'a>,
 }
 
+/// Values between layers, int8 in 16 bits, at a multiple of four bytes: so the kernel takes
+/// two at a time.
+#[repr(align(4))]
+pub(crate) struct Activations<const N: usize>(pub(crate) [i16; N]);
+
+impl<const N: usize> Activations<N> {
+    pub(crate) const fn zero() -> Self {
+        Self([0; N])
+    }
+}
+
 /// The next even number.
 pub(crate) const fn even(n: usize) -> usize {
     n + (n & 1)

@@ -31,7 +31,7 @@ use crate::kernel::requantise;
 use crate::observation::{LEN, MAX_NEIGHBOURS, Observation};
 use crate::random::{action_draw, tie_breaker};
 use heapless::Vec;
-use layer::{Layer, MAX_COLUMNS, MAX_ROWS};
+use layer::{Activations, Layer, MAX_COLUMNS, MAX_ROWS};
 
 /// Greatest width of a feature.
 pub const MAX_FEATURE: usize = 64;
@@ -178,21 +178,24 @@ impl<'a> Actor<'a> {
     /// Encodes an observation.
     #[must_use]
     pub fn encode(&self, observation: &Observation) -> Feature {
-        let mut x = [0i16; MAX_COLUMNS];
-        for (x, &o) in x.iter_mut().zip(observation) {
-            *x = i16::from(o);
+        let mut y = Activations::<MAX_ROWS>::zero();
+        {
+            // In a block, so that the stack has room for the next values in its place.
+            let mut x = Activations::<MAX_COLUMNS>::zero();
+            for (x, &o) in x.0.iter_mut().zip(observation) {
+                *x = i16::from(o);
+            }
+            self.encoder1.apply(&x.0, &mut y.0);
         }
-        let mut y = [0i16; MAX_ROWS];
-        self.encoder1.apply(&x, &mut y);
-        let mut h = [0i16; MAX_FEATURE];
-        self.encoder2.apply(&y, &mut h);
+        let mut h = Activations::<MAX_FEATURE>::zero();
+        self.encoder2.apply(&y.0, &mut h.0);
         let mut halves = [0i16; 2];
         if self.aggregation == Aggregation::Gat {
-            self.attention.apply_wide(&h, &mut halves);
+            self.attention.apply_wide(&h.0, &mut halves);
         }
         let [attending, attended] = halves;
         let mut values = [0i8; MAX_FEATURE];
-        for (v, &h) in values.iter_mut().zip(&h) {
+        for (v, &h) in values.iter_mut().zip(&h.0) {
             *v = h as i8; // 0..=127
         }
         Feature { values, attending, attended }
@@ -216,33 +219,44 @@ impl<'a> Actor<'a> {
         self.logits_among(own, degree, &first)
     }
 
-    /// [`Self::logits`] once in the program, whatever iterators feed it.
+    /// [`Self::logits`] once in the program, whatever iterators feed it. Its parts are functions
+    /// of their own, so that a board's stack has room for the deeper one, not for both.
     #[inline(never)]
     fn logits_among(&self, own: &Feature, degree: u8, neighbours: &[NeighbourFeature<'_>]) -> Logits {
-        let neighbours = neighbours.iter().copied();
-        let mut joined = [0i16; 2 * MAX_FEATURE];
-        for (x, &h) in joined.iter_mut().zip(&own.values) {
+        let mut joined = Activations::<{ 2 * MAX_FEATURE }>::zero();
+        for (x, &h) in joined.0.iter_mut().zip(&own.values) {
             *x = i16::from(h);
         }
-        let sums = match self.aggregation {
-            Aggregation::None => None,
-            Aggregation::Gcn => Some(aggregate::gcn(own, degree, neighbours)),
-            Aggregation::Gat => Some(aggregate::gat(own, neighbours)),
-        };
-        if let Some(sums) = sums {
-            let mut mean = [0i16; MAX_FEATURE];
-            for (x, &sum) in mean.iter_mut().zip(&sums) {
-                *x = requantise(sum, self.aggregate_multiplier).clamp(-127, 127) as i16;
-            }
-            if let Some(y) = joined.get_mut(usize::from(self.dimensions.feature)..) {
-                self.graph.apply(&mean, y);
-            }
+        if let Some(y) = joined.0.get_mut(usize::from(self.dimensions.feature)..) {
+            self.gather(own, degree, neighbours, y);
         }
-        let mut hidden = [0i16; MAX_ROWS];
-        self.head.apply(&joined, &mut hidden);
+        self.judge(&joined.0)
+    }
+
+    /// The head's two layers.
+    #[inline(never)]
+    fn judge(&self, joined: &[i16]) -> Logits {
+        let mut hidden = Activations::<MAX_ROWS>::zero();
+        self.head.apply(joined, &mut hidden.0);
         let mut logits = [0i16; ACTIONS];
-        self.output.apply_wide(&hidden, &mut logits);
+        self.output.apply_wide(&hidden.0, &mut logits);
         logits
+    }
+
+    /// Aggregates, and applies the graph layer; `y` stays as it is without aggregation.
+    #[inline(never)]
+    fn gather(&self, own: &Feature, degree: u8, neighbours: &[NeighbourFeature<'_>], y: &mut [i16]) {
+        let neighbours = neighbours.iter().copied();
+        let sums = match self.aggregation {
+            Aggregation::None => return,
+            Aggregation::Gcn => aggregate::gcn(own, degree, neighbours),
+            Aggregation::Gat => aggregate::gat(own, neighbours),
+        };
+        let mut mean = Activations::<MAX_FEATURE>::zero();
+        for (x, &sum) in mean.0.iter_mut().zip(&sums) {
+            *x = requantise(sum, self.aggregate_multiplier).clamp(-127, 127) as i16;
+        }
+        self.graph.apply(&mean.0, y);
     }
 
     /// The action of these logits for UAV `id` at `step`.

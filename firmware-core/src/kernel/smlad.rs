@@ -17,7 +17,7 @@ const BLOCK_WORDS: usize = 16;
 pub(super) fn apply(layer: &Dense<'_>, x: &[i16], out: &mut [i16], finish: Finish) {
     if x.is_empty() || !x.len().is_multiple_of(2) {
         // Not whole words; rows are not where the assembly would look for them.
-        return portable::apply(layer, x, out, finish);
+        return other(layer, x, out, finish);
     }
     let stride = 2 * x.len();
     let rows = out.len().min(layer.biases.len()).min(layer.multipliers.len()).min(layer.weights.len() / stride * 2);
@@ -35,7 +35,7 @@ pub(super) fn apply(layer: &Dense<'_>, x: &[i16], out: &mut [i16], finish: Finis
         out: out.as_mut_ptr(),
         tiles: rows / 4,
     };
-    let tiles = match finish {
+    let tiles: Tiles = match finish {
         Finish::Rectified => tiles_rectified,
         Finish::Wide => tiles_wide,
     };
@@ -46,11 +46,19 @@ pub(super) fn apply(layer: &Dense<'_>, x: &[i16], out: &mut [i16], finish: Finis
         // stride is a multiple of four, so is every pair.
         weights = unsafe { tiles(&mut job, weights) };
     }
-    let done = rows & !3;
-    if done == rows {
-        return;
+    if !rows.is_multiple_of(4) {
+        // SAFETY: as above; one or two pairs are left at `weights`.
+        unsafe { last_rows(job, weights, tiles, layer, out, rows) };
     }
-    // One to three rows are left: a tile of their own, with room for four. Of one pair, the tile has it twice.
+}
+
+/// The last one to three of the rows: a tile of their own, with room for four. Of one pair, the tile has it twice.
+///
+/// # Safety
+/// At `weights` are the one or two pairs of these rows, for the input that `job` has.
+#[inline(never)]
+unsafe fn last_rows(mut job: Job, weights: *const u8, tiles: Tiles, layer: &Dense<'_>, out: &mut [i16], rows: usize) {
+    let done = rows & !3;
     let (mut biases, mut multipliers, mut last) = ([[0; 4]; 4], [[0; 4]; 4], [0; 4]);
     for (to, from) in biases.iter_mut().zip(layer.biases.iter().skip(done)) {
         *to = *from;
@@ -58,17 +66,29 @@ pub(super) fn apply(layer: &Dense<'_>, x: &[i16], out: &mut [i16], finish: Finis
     for (to, from) in multipliers.iter_mut().zip(layer.multipliers.iter().skip(done)) {
         *to = *from;
     }
-    job.stride = if rows - done > 2 { stride } else { 0 };
+    if rows - done < 3 {
+        job.stride = 0;
+    }
     job.biases = biases.as_ptr().cast();
     job.multipliers = multipliers.as_ptr().cast();
     job.out = last.as_mut_ptr();
     job.tiles = 1;
-    // SAFETY: as above, with one or two pairs left at `weights`, and four places in the arrays.
+    // SAFETY: the caller's promise, and the arrays have four places.
     unsafe { tiles(&mut job, weights) };
     for (to, from) in out.iter_mut().take(rows).skip(done).zip(last) {
         *to = from;
     }
 }
+
+/// Off the common path, so that its variables take no stack there.
+#[cold]
+#[inline(never)]
+fn other(layer: &Dense<'_>, x: &[i16], out: &mut [i16], finish: Finish) {
+    portable::apply(layer, x, out, finish);
+}
+
+/// A function made by [`tiles`].
+type Tiles = unsafe extern "C" fn(job: *mut Job, weights: *const u8) -> *const u8;
 
 /// What the assembly works on; it knows this layout. The last four fields advance with each tile.
 #[repr(C)]

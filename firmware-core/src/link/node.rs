@@ -43,10 +43,15 @@ impl<'a> Node<'a> {
     }
 
     pub(super) fn load(&mut self, file: &'a [u8]) {
+        self.read(file);
+        self.self_test();
+    }
+
+    #[inline(never)]
+    fn read(&mut self, file: &'a [u8]) {
         self.setup = None;
         self.observed = None;
         self.actor = Actor::load(file).map_err(Fault::from);
-        self.self_test();
     }
 
     /// A self-test that fails takes the actor away for good.
@@ -89,14 +94,9 @@ impl<'a> Node<'a> {
         }
     }
 
-    fn ready(&self) -> Result<(Actor<'a>, Setup), Refusal> {
-        let actor = self.actor.map_err(Refusal::Fault)?;
-        Ok((actor, self.setup.ok_or(Refusal::NotStarted)?))
-    }
-
     #[inline(never)]
     pub(super) fn hear(&mut self, heard: &Hear<'_>) -> Result<Reply<'static>, Refusal> {
-        self.ready()?;
+        ready(&self.actor, &self.setup)?;
         let message = Message::decode(heard.message).map_err(|_| Refusal::Message)?;
         let [x, y] = heard.position;
         let answer = self.table.hear(&message, Vec2::from_ticks(x, y), heard.now);
@@ -105,7 +105,7 @@ impl<'a> Node<'a> {
 
     #[inline(never)]
     pub(super) fn observe(&mut self, request: &Observe<'_>) -> Result<Reply<'_>, Refusal> {
-        let (actor, setup) = self.ready()?;
+        let (actor, setup) = ready(&self.actor, &self.setup)?;
         if !request.pois.len().is_multiple_of(POI_BYTES) || request.pois.len() > MAX_POIS * POI_BYTES {
             return Err(Refusal::Pois);
         }
@@ -117,7 +117,7 @@ impl<'a> Node<'a> {
         self.observed = Some(step);
         let degree = self.degree();
         let header = Header { id: setup.id, sequence: step as u16, step };
-        let message: &[u8] = match message::Feature::of(header, degree, &actor, &self.own) {
+        let message: &[u8] = match message::Feature::of(header, degree, actor, &self.own) {
             Some(feature) => Message::Feature(feature).encode(&mut self.message),
             None => &[],
         };
@@ -126,7 +126,7 @@ impl<'a> Node<'a> {
 
     #[inline(never)]
     pub(super) fn decide(&mut self, step: u32) -> Result<Reply<'static>, Refusal> {
-        let (actor, setup) = self.ready()?;
+        let (actor, setup) = ready(&self.actor, &self.setup)?;
         if self.observed != Some(step) {
             return Err(Refusal::NotObserved);
         }
@@ -141,13 +141,13 @@ impl<'a> Node<'a> {
 
     #[inline(never)]
     pub(super) fn sign(&mut self, from: u32, cases: u16) -> Result<Reply<'static>, Refusal> {
-        let actor = self.actor.map_err(Refusal::Fault)?;
+        let actor = self.actor.as_ref().map_err(|&fault| Refusal::Fault(fault))?;
         if from == 0 {
             (self.signature, self.signed) = (Signature::new(), 0);
         }
         if from == self.signed {
             for _ in 0..cases.min(MAX_CASES) {
-                self.signature.add_case(&actor);
+                self.signature.add_case(actor);
                 self.signed = self.signed.wrapping_add(1);
             }
         }
@@ -164,6 +164,15 @@ impl<'a> Node<'a> {
 #[inline(never)]
 fn look(scene: &Scene<'_>, pois: &[u8]) -> Observation {
     observe(scene, pois.chunks_exact(POI_BYTES).map(|p| scene.own.position + offset(p)))
+}
+
+/// By reference: an actor is a few hundred bytes, much for a board's stack.
+fn ready<'n, 'a>(
+    actor: &'n Result<Actor<'a>, Fault>,
+    setup: &'n Option<Setup>,
+) -> Result<(&'n Actor<'a>, &'n Setup), Refusal> {
+    let actor = actor.as_ref().map_err(|&fault| Refusal::Fault(fault))?;
+    Ok((actor, setup.as_ref().ok_or(Refusal::NotStarted)?))
 }
 
 fn offset(poi: &[u8]) -> Vec2 {

@@ -25,7 +25,7 @@ pub fn install(packages: &[&str]) -> Result<()> {
     if let Some(permitted) = permission()? {
         let as_root =
             |command: &Cmd| if permitted == Permission::Sudo { command.clone().into_root() } else { command.clone() };
-        println!("setup: {}", as_root(&install));
+        eprintln!("setup: {}", as_root(&install));
         return twice(|| {
             patiently(&as_root(&update))?;
             patiently(&as_root(&install))
@@ -59,7 +59,7 @@ fn permission() -> Result<Option<Permission>> {
 /// Tries `action` a second time when it fails.
 pub fn twice<T>(mut action: impl FnMut() -> Result<T>) -> Result<T> {
     action().or_else(|error| {
-        println!("setup: {error}\nsetup: once more");
+        eprintln!("setup: {error}\nsetup: once more");
         action()
     })
 }

@@ -48,11 +48,11 @@ pub fn main(args: &Args) -> Result<()> {
 pub fn install(items: &[Item]) -> Result<()> {
     let missing: Vec<Item> = items.iter().copied().filter(|item| !item.is_present()).collect();
     if missing.is_empty() {
-        println!("setup: all {} items are there, nothing to do", items.len());
+        eprintln!("setup: all {} items are there, nothing to do", items.len());
         return Ok(());
     }
     for item in &missing {
-        println!("setup: {} is missing ({})", item.name(), item.purpose());
+        eprintln!("setup: {} is missing ({})", item.name(), item.purpose());
     }
     let packages: Vec<&str> = missing.iter().flat_map(|item| item.packages()).copied().collect();
     if !packages.is_empty() {
@@ -68,7 +68,7 @@ pub fn install(items: &[Item]) -> Result<()> {
                 item.name(),
             )));
         }
-        println!("setup: {} is ready", item.name());
+        eprintln!("setup: {} is ready", item.name());
     }
     Ok(())
 }

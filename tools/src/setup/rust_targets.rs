@@ -42,11 +42,31 @@ impl Toolchain {
         is_linked().then_some(Self::Linked)
     }
 
+    /// The toolchain that has the targets.
+    ///
+    /// # Errors
+    /// None has.
+    pub fn required() -> Result<Self> {
+        Self::find().ok_or_else(|| Error::Missing { names: "rust-targets".into() })
+    }
+
     /// A cargo of this toolchain.
     pub fn cargo(self) -> Cmd {
         match self {
             Self::Own => Cmd::cargo(),
             Self::Linked => Cmd::new("rustup").args(["run", LINKED, "cargo"]),
+        }
+    }
+
+    /// A cargo of this toolchain that can link for [`CORTEX_M`].
+    pub fn cortex_m_cargo(self) -> Cmd {
+        match self {
+            Self::Own => self.cargo(),
+            // The linked toolchain has no linker of its own.
+            Self::Linked => {
+                let linker = rust_lld().unwrap_or_else(|| "arm-none-eabi-ld".into());
+                self.cargo().env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", linker)
+            }
         }
     }
 }
@@ -58,10 +78,10 @@ impl Toolchain {
 pub fn install(ask_rustup: bool) -> Result<()> {
     if ask_rustup && find_program(&["rustup"]).is_some() {
         let add = Cmd::new("rustup").args(["target", "add", CORTEX_M, AARCH64]);
-        println!("setup: {add}");
+        eprintln!("setup: {add}");
         match twice(|| add.read()) {
             Ok(_) => return Ok(()),
-            Err(error) => println!("setup: rustup cannot ({error})\nsetup: taking Debian's packages instead"),
+            Err(error) => eprintln!("setup: rustup cannot ({error})\nsetup: taking Debian's packages instead"),
         }
     }
     let linker = if rust_lld().is_some() { &[][..] } else { &["binutils-arm-none-eabi"] };
@@ -122,7 +142,7 @@ fn build_sysroot() -> Result<()> {
 
 /// Builds core and alloc from Debian's source into `into`, with bitcode: link-time optimisation needs it.
 fn core_for_cortex_m(draft: &Path, into: &Path) -> Result<()> {
-    println!("setup: building Rust's core library for {CORTEX_M}, once (about half a minute)");
+    eprintln!("setup: building Rust's core library for {CORTEX_M}, once (about half a minute)");
     let package = draft.join("core");
     create(&package.join("src"))?;
     let manifest =
@@ -151,7 +171,7 @@ fn core_for_cortex_m(draft: &Path, into: &Path) -> Result<()> {
 
 /// Unpacks Debian's library for arm64, without adding that architecture to the system.
 fn std_for_aarch64(draft: &Path, done: &Path, libraries: &Path) -> Result<()> {
-    println!("setup: fetching Rust's standard library for {AARCH64}");
+    eprintln!("setup: fetching Rust's standard library for {AARCH64}");
     let apt = draft.join("apt");
     create(&apt.join("lists/partial"))?;
     create(&apt.join("cache/archives/partial"))?;

@@ -85,7 +85,8 @@ fn summarise(outcomes: &[Outcome], tally: &Tally) -> Result<()> {
     }
     let failed: Vec<_> = outcomes.iter().filter_map(|outcome| Some((outcome.name, outcome.error.as_ref()?))).collect();
     for (name, error) in &failed {
-        println!("{name}: {error}\n  again alone: cargo xtask test --only {name}");
+        let again = if *name == "setup" { "setup".to_owned() } else { format!("test --only {name}") };
+        println!("{name}: {error}\n  again alone: cargo xtask {again}");
     }
     println!("{}", tally.closing_line(failed.len()));
     if failed.is_empty() { Ok(()) } else { Err(Error::Reported) }

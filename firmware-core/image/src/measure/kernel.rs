@@ -45,8 +45,8 @@ impl Room {
         let mut below = |n: usize| random.next_u32() as usize % n;
         let rows = 1 + below(MAX_ROWS);
         // The longest rows in every fourth case.
-        let pairs_of_columns = if case % 4 == 0 { COLUMNS / 2 } else { 1 + below(COLUMNS / 2) };
-        let (weights_at, x_at, extreme) = (below(4), below(2), case % 3 == 0);
+        let pairs_of_columns = if case.is_multiple_of(4) { COLUMNS / 2 } else { 1 + below(COLUMNS / 2) };
+        let (weights_at, x_at, extreme) = (below(4), below(2), case.is_multiple_of(3));
         let mut byte = || match random.next_u32() {
             // One end of the range in a row's every column, or near enough.
             r if extreme => [0x80, 0x81, 0x7f, 0xff, 0][(case / 3 + u32::from(r > 0xf000_0000)) as usize % 5],

@@ -1,0 +1,78 @@
+//! What is in an executable.
+
+use std::fs;
+use std::path::Path;
+
+use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionKind};
+
+use crate::error::{Error, Result};
+
+/// Sizes of its parts, bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sizes {
+    /// Code.
+    pub text: u64,
+    /// Constants, an image's interrupt table and the first contents of variables among them.
+    pub rodata: u64,
+    /// Variables.
+    pub static_ram: u64,
+}
+
+impl Sizes {
+    /// Reads them.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn of(path: &Path) -> Result<Self> {
+        let mut sizes = Self::default();
+        with_elf(path, |elf| {
+            for section in elf.sections() {
+                match section.kind() {
+                    SectionKind::Text => sizes.text += section.size(),
+                    SectionKind::ReadOnlyData | SectionKind::ReadOnlyString | SectionKind::ReadOnlyDataWithRel => {
+                        sizes.rodata += section.size();
+                    }
+                    SectionKind::Data => {
+                        sizes.static_ram += section.size();
+                        sizes.rodata += section.size();
+                    }
+                    SectionKind::UninitializedData => sizes.static_ram += section.size(),
+                    _ => {}
+                }
+            }
+            Ok(())
+        })?;
+        Ok(sizes)
+    }
+}
+
+/// The address of a symbol.
+///
+/// # Errors
+/// The file cannot be read, or has no such symbol.
+pub fn address_of(path: &Path, symbol: &str) -> Result<u64> {
+    with_elf(path, |elf| {
+        let found = elf.symbols().find(|entry| entry.name() == Ok(symbol));
+        found.map(|entry| entry.address()).ok_or_else(|| Error::elf(path, format!("it has no symbol {symbol}")))
+    })
+}
+
+/// Checks that no panic and no heap is left in an image. Its linking has shown it for panics already; this would find
+/// code that stops in its own way.
+///
+/// # Errors
+/// Names of symbols that should not be there.
+pub fn assert_panic_free(path: &Path) -> Result<()> {
+    const UNWANTED: [&str; 4] = ["panic", "unwrap_failed", "__rust_alloc", "malloc"];
+    with_elf(path, |elf| {
+        let names = elf.symbols().filter_map(|symbol| symbol.name().ok());
+        let found: Vec<&str> = names.filter(|name| UNWANTED.iter().any(|unwanted| name.contains(unwanted))).collect();
+        if found.is_empty() { Ok(()) } else { Err(Error::elf(path, format!("panics or a heap: {}", found.join(", ")))) }
+    })
+}
+
+fn with_elf<T>(path: &Path, look: impl FnOnce(&object::File<'_>) -> Result<T>) -> Result<T> {
+    let bytes = fs::read(path).map_err(Error::file(path))?;
+    let elf = object::File::parse(&*bytes).map_err(|error| Error::elf(path, error.to_string()))?;
+    look(&elf)
+}

@@ -1,0 +1,123 @@
+//! QEMU's Cortex-M boards.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::artefacts::Image;
+use crate::command::Cmd;
+use crate::error::{Error, Result};
+
+/// Where the image for QEMU looks for its actor file; see its memory map.
+pub const ACTOR_ADDRESS: &str = "0x00200000";
+/// No measurement takes longer on the slowest machine, seconds.
+const TIME_LIMIT: u32 = 600;
+
+/// One of QEMU's boards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Machine {
+    /// mps2-an500.
+    CortexM7,
+    /// mps2-an386.
+    CortexM4f,
+}
+
+impl Machine {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::CortexM7, Self::CortexM4f];
+
+    /// Name of the target in tables.
+    pub const fn target(self) -> &'static str {
+        match self {
+            Self::CortexM7 => "cortex-m7",
+            Self::CortexM4f => "cortex-m4f",
+        }
+    }
+
+    /// QEMU, ready to run `program`, with `actor` in its flash.
+    pub fn run(self, program: &Path, actor: Option<&Path>) -> Cmd {
+        let name = match self {
+            Self::CortexM7 => "mps2-an500",
+            Self::CortexM4f => "mps2-an386",
+        };
+        let command = Cmd::new("qemu-system-arm")
+            .args(["-machine", name])
+            .args(["-nographic", "-monitor", "none", "-kernel"])
+            .arg(program);
+        match actor {
+            Some(file) => command
+                .arg("-device")
+                // In an option's value QEMU takes two commas for one.
+                .arg(format!(
+                    "loader,file={},addr={ACTOR_ADDRESS},force-raw=on",
+                    file.display().to_string().replace(',', ",,")
+                )),
+            None => command,
+        }
+    }
+
+    /// Compares the assembly kernel with its portable twin on this many layers.
+    ///
+    /// # Errors
+    /// They differ.
+    pub fn check_kernel(self, image: &Image, cases: u32) -> Result<()> {
+        self.measure(image, None, &["kernel", &cases.to_string()], false).map(|_| ())
+    }
+
+    /// The signature of an actor.
+    ///
+    /// # Errors
+    /// The run failed.
+    pub fn signature(self, image: &Image, actor: &Path, cases: u32) -> Result<u64> {
+        let results = self.measure(image, Some(actor), &["signature", &cases.to_string()], false)?;
+        results.number("signature", 16)
+    }
+
+    /// What the parts of a decision cost: names and instruction counts or bytes.
+    ///
+    /// # Errors
+    /// The run failed.
+    pub fn costs(self, image: &Image, actor: &Path) -> Result<Results> {
+        self.measure(image, Some(actor), &["costs"], true)
+    }
+
+    fn measure(self, image: &Image, actor: Option<&Path>, words: &[&str], exact: bool) -> Result<Results> {
+        let mut semihosting = "enable=on,target=native,arg=measure".to_owned();
+        for word in words {
+            semihosting += &format!(",arg={word}");
+        }
+        let mut command = self.run(&image.measure, actor);
+        command = command.args(["-serial", "null", "-semihosting-config", &semihosting]);
+        if exact {
+            // 1024 ns of the machine's time an instruction: see the image's instruction counter.
+            command = command.args(["-icount", "shift=10"]);
+        }
+        // The program's text comes on QEMU's error output.
+        let command = command.within(TIME_LIMIT);
+        let printed = command.read_all()?;
+        let lines = printed.lines().filter_map(|line| line.split_once(' '));
+        let values = lines.map(|(name, value)| (name.to_owned(), value.trim().to_owned())).collect();
+        Ok(Results { command: command.to_string(), printed, values })
+    }
+}
+
+/// What a measurement printed.
+pub struct Results {
+    command: String,
+    printed: String,
+    values: BTreeMap<String, String>,
+}
+
+impl Results {
+    /// The decimal number of this name.
+    ///
+    /// # Errors
+    /// It was not printed.
+    pub fn count(&self, name: &str) -> Result<u64> {
+        self.number(name, 10)
+    }
+
+    fn number(&self, name: &str, radix: u32) -> Result<u64> {
+        let value = self.values.get(name).and_then(|value| u64::from_str_radix(value, radix).ok());
+        value.ok_or_else(|| Error::Output { command: self.command.clone(), printed: self.printed.clone() })
+    }
+}
