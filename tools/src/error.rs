@@ -84,6 +84,14 @@ pub enum Error {
         /// What is wrong.
         what: String,
     },
+    /// An actor file that cannot be used.
+    #[error("{}: {reason}", path.display())]
+    Actor {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it and what to do.
+        reason: String,
+    },
     /// Figures that are not what they should be, one a line.
     #[error("figures that are not what they should be:\n{0}")]
     Figures(String),
@@ -96,6 +104,11 @@ pub enum Error {
 }
 
 impl Error {
+    /// What is wrong with an actor file.
+    pub fn actor(path: &Path, reason: String) -> Self {
+        Self::Actor { path: path.into(), reason }
+    }
+
     /// Something about an executable.
     pub fn elf(path: &Path, what: String) -> Self {
         Self::Elf { path: path.into(), what }

@@ -3,6 +3,7 @@
 mod command;
 mod error;
 mod setup;
+mod size;
 mod targets;
 mod test;
 mod workspace;
@@ -19,6 +20,8 @@ enum Xtask {
     Setup(setup::Args),
     /// Build for every target, run it in emulators, measure it and check the figures.
     Targets(targets::Args),
+    /// Tell what an actor file takes on a flight controller, and whether it fits.
+    Size(size::Args),
     /// Run every check and test, after setting up what they need.
     Test(test::Args),
 }
@@ -27,6 +30,7 @@ fn main() -> ExitCode {
     let done = match Xtask::parse() {
         Xtask::Setup(args) => setup::main(&args),
         Xtask::Targets(args) => targets::main(&args),
+        Xtask::Size(args) => size::main(&args),
         Xtask::Test(args) => test::main(&args),
     };
     match done {

@@ -71,7 +71,11 @@ pub fn assert_panic_free(path: &Path) -> Result<()> {
     })
 }
 
-fn with_elf<T>(path: &Path, look: impl FnOnce(&object::File<'_>) -> Result<T>) -> Result<T> {
+/// Calls `look` with the executable.
+///
+/// # Errors
+/// The file cannot be read, and those of `look`.
+pub fn with_elf<T>(path: &Path, look: impl FnOnce(&object::File<'_>) -> Result<T>) -> Result<T> {
     let bytes = fs::read(path).map_err(Error::file(path))?;
     let elf = object::File::parse(&*bytes).map_err(|error| Error::elf(path, error.to_string()))?;
     look(&elf)

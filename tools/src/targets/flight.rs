@@ -6,6 +6,7 @@ mod session;
 use std::collections::VecDeque;
 use std::fs;
 use std::io::{Error as IoError, ErrorKind, Read, Write};
+use std::path::Path;
 use std::time::Duration;
 
 use covey_link::{Client, LinkError, Options};
@@ -30,14 +31,14 @@ const SWARM: u16 = 20;
 /// What a request may take on a busy computer.
 const PATIENCE: Options = Options { timeout: Duration::from_secs(30), attempts: 2 };
 
-/// Flies [`STEPS`] steps in a dense swarm with every kind of request and noise on the line, with each kind of actor,
-/// and returns the deepest stack, bytes.
+/// Flies [`STEPS`] steps in a dense swarm with every kind of request and noise on the line, with each of the
+/// actors, and returns the deepest stack, bytes.
 ///
 /// # Errors
 /// The board answers otherwise than this computer, or not at all.
-pub fn fly(machine: Machine, image: &Image, actors: &Actors) -> Result<u64> {
+pub fn fly(machine: Machine, image: &Image, actors: &[&Path]) -> Result<u64> {
     let mut deepest = 0;
-    for actor in [&actors.none, &actors.gcn, &actors.gat] {
+    for actor in actors {
         let file = fs::read(actor).map_err(Error::file(actor))?;
         let here = mission(&mut Client::new(Local::new(&file), LOCAL), |_| Ok(()))?;
         let mut session = Session::start(machine, &image.flight, Some(actor))?;
@@ -198,7 +199,7 @@ fn deepest(ram: &[u8], paint: u32) -> u64 {
 }
 
 /// The stack's ends in an image: the far one and the one where it begins.
-fn stack_of(image: &std::path::Path) -> Result<(u64, u64)> {
+fn stack_of(image: &Path) -> Result<(u64, u64)> {
     Ok((elf::address_of(image, "_stack_end")?, elf::address_of(image, "_stack_start")?))
 }
 
