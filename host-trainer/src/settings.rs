@@ -168,7 +168,7 @@ settings! {
     tie_period: u32 = 1, "1 to 1000000", |v| (1..=1_000_000).contains(v);
     /// Seed of everything random in the run.
     seed: u64 = 10, "0 to 9223372036854775807", |v| i64::try_from(*v).is_ok();
-    /// Training episodes (rounded up to whole rounds of `worlds`).
+    /// Training episodes, at most: whole rounds of `worlds`, at least one.
     episodes: u32 = 1500, "1 to 100000000", |v| (1..=100_000_000).contains(v);
     /// Worlds that run side by side: one round is an episode of each.
     worlds: u32 = 64, "1 to 65536", |v| (1..=65_536).contains(v);
@@ -187,7 +187,7 @@ settings! {
     learning_rate_end: f64 = 0.1, "0 to 1", |v| (0.0..=1.0).contains(v);
     /// Discount of future reward, per step. 1 with `lambda` 1 and `segment` = `steps` is
     /// the paper's return.
-    gamma: f64 = 0.95, "0 to 1", |v| (0.0..=1.0).contains(v);
+    gamma: f64 = 0.98, "0 to 1", |v| (0.0..=1.0).contains(v);
     /// Lambda of generalised advantage estimation.
     lambda: f64 = 0.95, "0 to 1", |v| (0.0..=1.0).contains(v);
     /// Whether the last state of an episode counts with its value (episodes end by
@@ -198,7 +198,7 @@ settings! {
     /// Weight of the entropy bonus at the start.
     entropy: f64 = 0.01, "0 to 1", |v| (0.0..=1.0).contains(v);
     /// Weight of the entropy bonus at the end (it falls linearly).
-    entropy_end: f64 = 0.01, "0 to 1", |v| (0.0..=1.0).contains(v);
+    entropy_end: f64 = 0.001, "0 to 1", |v| (0.0..=1.0).contains(v);
     /// Greatest global norm of the actor's gradient, and of the critic's.
     gradient_norm: f64 = 0.5, "above 0", |v| *v > 0.0;
     /// Error (in standard deviations of the return) beyond which the value loss is linear.
@@ -377,7 +377,7 @@ impl Settings {
     /// Rounds of `worlds` episodes in the whole run.
     #[must_use]
     pub fn rounds(&self) -> u32 {
-        self.episodes.div_ceil(self.worlds)
+        (self.episodes / self.worlds).max(1)
     }
 }
 

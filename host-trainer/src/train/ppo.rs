@@ -8,10 +8,16 @@ use firmware_core::action::ACTIONS;
 /// Log-probabilities of a row of logits.
 #[must_use]
 pub fn log_softmax(logits: &[f32]) -> [f32; ACTIONS] {
+    softmax(logits).0
+}
+
+/// Log-probabilities and probabilities of a row of logits, with one exponential each.
+fn softmax(logits: &[f32]) -> ([f32; ACTIONS], [f32; ACTIONS]) {
     let top = logits.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-    let sum: f32 = logits.iter().map(|l| (l - top).exp()).sum();
+    let weights: [f32; ACTIONS] = std::array::from_fn(|k| (logits[k] - top).exp());
+    let sum: f32 = weights.iter().sum();
     let shift = top + sum.ln();
-    std::array::from_fn(|k| logits[k] - shift)
+    (std::array::from_fn(|k| logits[k] - shift), weights.map(|w| w / sum))
 }
 
 /// Numbers of the loss that come from the settings.
@@ -73,7 +79,7 @@ impl Loss {
     /// Adds a sample's loss to `sums` and overwrites its logits by the gradient of the
     /// mean loss with respect to them; returns the gradient with respect to its value.
     pub fn sample(&self, logits: &mut [f32], value: f32, s: &Sample, sums: &mut Sums) -> f32 {
-        let log_p = log_softmax(logits);
+        let (log_p, p) = softmax(logits);
         let a = usize::from(s.action);
         let log_ratio = log_p[a] - s.log_probability;
         let ratio = log_ratio.exp();
@@ -81,9 +87,8 @@ impl Loss {
         let surrogate = (ratio * s.advantage).min(clipped * s.advantage);
         // Where the clipped branch is the smaller one, it is constant.
         let pull = if ratio * s.advantage <= clipped * s.advantage { -ratio * s.advantage } else { 0.0 };
-        let entropy: f32 = -log_p.iter().map(|l| l.exp() * l).sum::<f32>();
-        for (k, (g, l)) in logits.iter_mut().zip(log_p).enumerate() {
-            let p = l.exp();
+        let entropy: f32 = -log_p.iter().zip(p).map(|(l, p)| p * l).sum::<f32>();
+        for (k, (g, (l, p))) in logits.iter_mut().zip(log_p.into_iter().zip(p)).enumerate() {
             let policy = pull * (f32::from(u8::from(k == a)) - p);
             *g = (policy + self.entropy * p * (l + entropy)) / self.samples;
         }
