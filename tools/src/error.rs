@@ -3,6 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::flash::FlashError;
+
 /// The result of a task.
 pub type Result<T> = std::result::Result<T, Error>;
 
@@ -98,6 +100,9 @@ pub enum Error {
     /// The actor link failed.
     #[error("the link to the board: {0}")]
     Link(#[from] covey_link::LinkError),
+    /// Flashing failed.
+    #[error(transparent)]
+    Flash(#[from] FlashError),
     /// A failure whose full account stands on the terminal already.
     #[error("failed, see above")]
     Reported,

@@ -2,6 +2,7 @@
 
 mod command;
 mod error;
+mod flash;
 mod setup;
 mod size;
 mod targets;
@@ -22,6 +23,8 @@ enum Xtask {
     Targets(targets::Args),
     /// Tell what an actor file takes on a flight controller, and whether it fits.
     Size(size::Args),
+    /// Put the program and an actor file on a board, or the node and the file on a computer.
+    Flash(flash::Args),
     /// Run every check and test, after setting up what they need.
     Test(test::Args),
 }
@@ -31,6 +34,7 @@ fn main() -> ExitCode {
         Xtask::Setup(args) => setup::main(&args),
         Xtask::Targets(args) => targets::main(&args),
         Xtask::Size(args) => size::main(&args),
+        Xtask::Flash(args) => flash::main(&args),
         Xtask::Test(args) => test::main(&args),
     };
     match done {

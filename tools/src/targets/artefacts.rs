@@ -164,7 +164,7 @@ impl Image {
         let target = work_folder().join(board.feature());
         Toolchain::required()?
             .cortex_m_cargo()
-            .args(["build", "--quiet", "--release", "--locked", "--target", CORTEX_M])
+            .args(["build", "--quiet", "--release", "--target", CORTEX_M])
             .args(["--features", board.feature()])
             .arg("--target-dir")
             .arg(&target)

@@ -1,7 +1,7 @@
 //! The flight program in QEMU, flown over its serial line beside the same server on this computer.
 
 mod qmp;
-mod session;
+pub mod session;
 
 use std::collections::VecDeque;
 use std::fs;
@@ -29,7 +29,7 @@ const STEP_MS: u16 = 2000;
 /// UAVs around the one on the board: more than its table holds.
 const SWARM: u16 = 20;
 /// What a request may take on a busy computer.
-const PATIENCE: Options = Options { timeout: Duration::from_secs(30), attempts: 2 };
+pub const PATIENCE: Options = Options { timeout: Duration::from_secs(30), attempts: 2 };
 
 /// Flies [`STEPS`] steps in a dense swarm with every kind of request and noise on the line, with each of the
 /// actors, and returns the deepest stack, bytes.

@@ -1,0 +1,29 @@
+//! QEMU's boards: the same program and file, for real, without hardware.
+
+use super::serial::verify;
+use super::{ActorFile, say};
+use crate::error::Result;
+use crate::setup;
+use crate::targets::artefacts::{Board, Image};
+use crate::targets::flight::{PATIENCE, session::Session};
+use crate::targets::{NEEDS, qemu::Machine};
+
+pub use crate::targets::qemu::Machine::{CortexM4f as M4F, CortexM7 as M7};
+
+/// Starts the program with this actor file in its flash and checks over the actor link that it flies it.
+///
+/// # Errors
+/// A build failed, or the board does not compute what this computer does.
+pub fn flash(machine: Machine, actor: &ActorFile, dry_run: bool) -> Result<()> {
+    if dry_run {
+        say("would run, after building the program for it:");
+        println!("  {}", machine.run("flight".as_ref(), Some(&actor.path)));
+        return Ok(());
+    }
+    setup::install(NEEDS)?;
+    say("building the program");
+    let image = Image::build(Board::Mps2)?;
+    say(&format!("starting it on {}", machine.target()));
+    let session = Session::start(machine, &image.flight, Some(&actor.path))?;
+    verify(&mut session.client(PATIENCE)?, machine.target(), actor)
+}

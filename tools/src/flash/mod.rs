@@ -1,0 +1,104 @@
+//! `cargo xtask flash`: puts the program and an actor file on a board, or the node and the file on a computer.
+
+mod emulator;
+mod error;
+mod host;
+mod probe;
+mod serial;
+#[cfg(test)]
+mod test_support;
+
+use std::fs;
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+use firmware_core::actor::{self, Actor, SIGNATURE_CASES};
+
+use crate::error::{Error, Result};
+pub use error::FlashError;
+
+/// Options of `cargo xtask flash`.
+#[derive(clap::Args)]
+#[command(group(clap::ArgGroup::new("where").required(true).args(["board", "host"])))]
+pub struct Args {
+    /// The board to flash.
+    #[arg(long, value_enum)]
+    board: Option<Board>,
+    /// The computer to install on, by ssh: user@host.
+    #[arg(long, value_name = "USER@HOST")]
+    host: Option<String>,
+    /// The actor file to put there.
+    #[arg(long, value_name = "FILE")]
+    actor: PathBuf,
+    /// Leave the board's program as it is and write only the actor file.
+    #[arg(long, requires = "board")]
+    actor_only: bool,
+    /// The board's serial port, to ask over the actor link what it runs now: /dev/ttyACM0.
+    #[arg(long, requires = "board", value_name = "DEVICE")]
+    port: Option<PathBuf>,
+    /// Only print what would be done.
+    #[arg(long)]
+    dry_run: bool,
+}
+
+/// A board that can be flashed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Board {
+    /// ST's NUCLEO-H743ZI and -H743ZI2, by probe-rs over their USB connector.
+    NucleoH743zi,
+    /// A Cortex-M7 in QEMU.
+    QemuM7,
+    /// A Cortex-M4F in QEMU.
+    QemuM4f,
+}
+
+/// A sound actor file.
+struct ActorFile {
+    path: PathBuf,
+    content_hash: u64,
+    bytes: Vec<u8>,
+}
+
+impl ActorFile {
+    fn read(path: &PathBuf) -> Result<Self> {
+        let bytes = fs::read(path).map_err(Error::file(path))?;
+        let actor = Actor::load(&bytes).map_err(|reason| FlashError::wrong_file(path, &reason))?;
+        actor.self_test().map_err(|reason| FlashError::wrong_file(path, &reason))?;
+        let content_hash = actor.content_hash();
+        Ok(Self { path: path.clone(), content_hash, bytes })
+    }
+
+    /// The signature over this many neighbourhoods, computed here.
+    fn signature(&self, cases: u32) -> Result<u64> {
+        let actor = Actor::load(&self.bytes).map_err(|reason| FlashError::wrong_file(&self.path, &reason))?;
+        Ok(actor::signature(&actor, cases))
+    }
+}
+
+/// Flashes, and checks what it can.
+///
+/// # Errors
+/// See [`FlashError`]; or a build failed.
+pub fn main(args: &Args) -> Result<()> {
+    let actor = ActorFile::read(&args.actor)?;
+    say(&format!("{}: sound, actor {:016x}", actor.path.display(), actor.content_hash));
+    match (&args.board, &args.host) {
+        (Some(Board::NucleoH743zi), _) => {
+            probe::Probe::new("probe-rs").flash(&actor, args.actor_only, args.dry_run)?;
+            match &args.port {
+                Some(port) => serial::check(&actor, port, args.dry_run),
+                None => Ok(()),
+            }
+        }
+        (Some(Board::QemuM7), _) => emulator::flash(emulator::M7, &actor, args.dry_run),
+        (Some(Board::QemuM4f), _) => emulator::flash(emulator::M4F, &actor, args.dry_run),
+        (None, Some(host)) => host::Host::new(host, "ssh", "scp").install(&actor, SIGNATURE_CASES, args.dry_run),
+        // The argument group asks for one of them.
+        (None, None) => Ok(()),
+    }
+}
+
+/// One line of progress.
+fn say(text: &str) {
+    println!("flash: {text}");
+}

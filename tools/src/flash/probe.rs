@@ -1,0 +1,176 @@
+//! Boards with a debug probe, by probe-rs.
+
+use super::{ActorFile, FlashError, say};
+use crate::command::Cmd;
+use crate::error::{Error, Result};
+use crate::setup::{self, Item};
+use crate::targets::artefacts::{Board, Image};
+
+/// probe-rs's name of the chip on NUCLEO-H743ZI and -H743ZI2.
+const CHIP: &str = "STM32H743ZITx";
+/// Where these chips tell their device id (DBGMCU_IDC), and what STM32H743 and STM32H753 say (RM0433, section 60.5.8).
+const ID_ADDRESS: &str = "0x5c001000";
+const ID_MASK: u32 = 0xfff;
+const ID: u32 = 0x450;
+/// Where the image looks for its actor file; see its memory map.
+const ACTOR_ADDRESS: &str = "0x080e0000";
+
+/// probe-rs.
+pub struct Probe {
+    program: String,
+}
+
+impl Probe {
+    /// By this name or path.
+    pub fn new(program: &str) -> Self {
+        Self { program: program.into() }
+    }
+
+    /// Builds the program, and writes it and the actor file.
+    ///
+    /// # Errors
+    /// See [`FlashError`]; or the build failed.
+    pub fn flash(&self, actor: &ActorFile, actor_only: bool, dry_run: bool) -> Result<()> {
+        let write_actor = self
+            .probe_rs(&["download", "--chip", CHIP, "--verify", "--binary-format", "bin"])
+            .args(["--base-address", ACTOR_ADDRESS])
+            .arg(&actor.path);
+        let reset = self.probe_rs(&["reset", "--chip", CHIP]);
+        if dry_run {
+            say("would run, after building the program for STM32H743:");
+            let program = self.probe_rs(&["download", "--chip", CHIP, "--verify", "flight"]);
+            let program = (!actor_only).then_some(program);
+            for command in [self.list(), self.read_id()].into_iter().chain(program).chain([write_actor, reset]) {
+                println!("  {command}");
+            }
+            return Ok(());
+        }
+        self.find_board()?;
+        if !actor_only {
+            setup::install(&[Item::RustTargets])?;
+            say("building the program");
+            let image = Image::build(Board::Stm32h743)?;
+            say("writing the program");
+            self.run(&self.probe_rs(&["download", "--chip", CHIP, "--verify"]).arg(&image.flight))?;
+        }
+        say("writing the actor file");
+        self.run(&write_actor)?;
+        self.run(&reset)?;
+        say("written and verified; the board has restarted and tests its actor");
+        Ok(())
+    }
+
+    /// Checks that there is a board with the right chip.
+    fn find_board(&self) -> Result<()> {
+        say("looking for the board");
+        let list = self.run(&self.list())?;
+        match complaint(&list) {
+            Some(error) => Err(error.into()),
+            None => check_id(&self.run(&self.read_id())?).map_err(Error::from),
+        }
+    }
+
+    fn list(&self) -> Cmd {
+        self.probe_rs(&["list"])
+    }
+
+    fn read_id(&self) -> Cmd {
+        self.probe_rs(&["read", "--chip", CHIP, "b32", ID_ADDRESS, "1"])
+    }
+
+    fn probe_rs(&self, args: &[&str]) -> Cmd {
+        Cmd::new(&self.program).args(args)
+    }
+
+    /// Runs a command and returns all it printed.
+    fn run(&self, command: &Cmd) -> Result<String> {
+        command.read_all().map_err(|error| match error {
+            Error::Start { .. } => FlashError::NoProbeRs.into(),
+            Error::Failed { command, output, .. } => {
+                complaint(&output).unwrap_or(FlashError::Probe { command, output: output.trim().into() }).into()
+            }
+            other => other,
+        })
+    }
+}
+
+/// What probe-rs's words mean, if they mean that there is no probe to use.
+fn complaint(output: &str) -> Option<FlashError> {
+    let words = output.to_lowercase();
+    let says = |phrases: &[&str]| phrases.iter().any(|phrase| words.contains(phrase));
+    if says(&["permission denied", "insufficient permission", "access denied"]) {
+        Some(FlashError::NoPermission)
+    } else if says(&["no debug probes were found", "no connected probes were found", "probe was not found"]) {
+        Some(FlashError::NoProbe)
+    } else {
+        None
+    }
+}
+
+/// Checks the device id among the words that `probe-rs read` printed.
+fn check_id(output: &str) -> std::result::Result<(), FlashError> {
+    let words = output.split_whitespace().map(|word| word.trim_start_matches("0x"));
+    let id = words.filter(|word| word.len() == 8).find_map(|word| u32::from_str_radix(word, 16).ok());
+    match id.map(|id| id & ID_MASK) {
+        Some(ID) => Ok(()),
+        Some(found) => Err(FlashError::WrongChip { found, expected: ID }),
+        None => Err(FlashError::Probe { command: "probe-rs read".into(), output: output.trim().into() }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_support::{Script, sample};
+    use super::*;
+
+    /// A probe-rs that prints for `list` and `read` what is given, and notes how it was called.
+    fn fake(list: &str, read: &str) -> Script {
+        Script::new(&format!(
+            r#"echo "$@" >> "$0.log"
+case $1 in
+list) {list} ;;
+read) {read} ;;
+esac"#
+        ))
+    }
+
+    fn flash(script: &Script) -> Result<()> {
+        Probe::new(&script.path()).flash(&sample(), true, false)
+    }
+
+    #[test]
+    fn the_actor_is_written_to_its_address_and_the_board_reset() {
+        let script = fake("echo '[0]: STLink V3'", "echo 10036450");
+        flash(&script).unwrap();
+        let log = script.log();
+        let calls: Vec<_> = log.lines().map(|line| line.split(' ').next().unwrap()).collect();
+        assert_eq!(calls, ["list", "read", "download", "reset"]);
+        assert!(log.contains("--base-address 0x080e0000"), "{log}");
+    }
+
+    #[test]
+    fn each_trouble_has_its_own_message() {
+        let no_probe = fake("echo 'No debug probes were found.'", ":");
+        assert!(matches!(flash(&no_probe), Err(Error::Flash(FlashError::NoProbe))));
+        let no_permission =
+            fake("echo '[0]: STLink V3'", "echo 'Caused by: 1: Permission denied (os error 13)' >&2; exit 1");
+        assert!(matches!(flash(&no_permission), Err(Error::Flash(FlashError::NoPermission))));
+        let listed_only = fake("echo '[0]: STLink V3 (insufficient permissions)'", ":");
+        assert!(matches!(flash(&listed_only), Err(Error::Flash(FlashError::NoPermission))));
+        let wrong_chip = fake("echo '[0]: STLink V3'", "echo 20006483");
+        let error = flash(&wrong_chip).unwrap_err();
+        assert!(matches!(error, Error::Flash(FlashError::WrongChip { found: 0x483, .. })));
+        assert!(error.to_string().contains("0x483"));
+        let unplugged = fake("echo '[0]: STLink V3'", "echo 'Target device did not respond' >&2; exit 1");
+        assert!(matches!(flash(&unplugged), Err(Error::Flash(FlashError::Probe { .. }))));
+        let missing = Probe::new("/nowhere/probe-rs").flash(&sample(), true, false);
+        assert!(matches!(missing, Err(Error::Flash(FlashError::NoProbeRs))));
+    }
+
+    #[test]
+    fn a_dry_run_calls_nothing() {
+        let script = fake("exit 1", "exit 1");
+        Probe::new(&script.path()).flash(&sample(), false, true).unwrap();
+        assert_eq!(script.log(), "");
+    }
+}
