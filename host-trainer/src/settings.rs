@@ -171,7 +171,7 @@ settings! {
     /// Training episodes, at most: whole rounds of `worlds`, at least one.
     episodes: u32 = 1500, "1 to 100000000", |v| (1..=100_000_000).contains(v);
     /// Worlds that run side by side: one round is an episode of each.
-    worlds: u32 = 64, "1 to 65536", |v| (1..=65_536).contains(v);
+    worlds: u32 = 32, "1 to 65536", |v| (1..=65_536).contains(v);
     /// Steps between updates; must divide `steps`.
     segment: u32 = 25, "1 to 100000", |v| (1..=100_000).contains(v);
     /// Passes over a segment in an update.
