@@ -65,6 +65,18 @@ fn eval_of_a_run_prints_int8_and_float_beside_each_other() {
     assert_eq!(rows(&["--uavs", "4", "--model"], Some(&run.join("actor.postcard"))), found);
 }
 
+/// Without a model, a run or a policy it is the actor that comes with Covey.
+#[test]
+fn the_actor_that_comes_with_covey_flies() {
+    let found = rows(&["--uavs", "3"], None);
+    assert_eq!(found.len(), 1);
+    check(&found[0], "clustered", 3, "sample");
+    assert!(found[0]["policy"].as_str().is_some_and(|p| p.ends_with(" int8")), "{}", found[0]);
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("actors/default.postcard");
+    let said = succeed(trainer().arg("inspect").arg(file)).out;
+    assert!(said.contains("a sound actor") && said.contains("self-test      passed"), "{said}");
+}
+
 #[test]
 fn bench_prints_four_rates() {
     let mut bench = trainer();
