@@ -49,7 +49,7 @@ pub fn trial(s: &Settings) -> Trial {
 /// # Errors
 /// When the policy cannot be quantised.
 pub fn actor_file(s: &Settings, state: &State) -> Result<Finished, QuantiseError> {
-    let float = FloatActor::new(s, state.actor.clone());
+    let float = FloatActor::new(s, state.average.clone());
     let provenance = Provenance {
         trainer: concat!("covey ", env!("CARGO_PKG_VERSION")),
         scenario: law_name(s.scenario),

@@ -208,6 +208,9 @@ settings! {
     /// Share of a UAV's training reward that is replaced by the mean over all UAVs. The
     /// reported reward stays the scenario's.
     team_share: f64 = 0.0, "0 to 1", |v| (0.0..=1.0).contains(v);
+    /// Share of the averaged weights kept at each update; the exported actor is this running
+    /// average of the trained one. 0 exports the last weights.
+    averaging: f64 = 0.95, "0 to 0.9999", |v| (0.0..=0.9999).contains(v);
     /// The exported actor's logits are divided by this: below 1 it draws less at random than
     /// in training, above 1 more.
     temperature: f64 = 1.0, "0.05 to 20", |v| (0.05..=20.0).contains(v);

@@ -16,7 +16,7 @@ fn trained(settings: &Settings) -> FloatActor {
     while !trainer.done() {
         trainer.round(&workers);
     }
-    FloatActor::new(settings, trainer.state().actor.clone())
+    FloatActor::new(settings, trainer.state().average.clone())
 }
 
 /// The int8 logits of every UAV, each from what it would hear.

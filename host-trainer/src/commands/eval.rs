@@ -43,7 +43,7 @@ pub fn run(args: &Eval) -> Result<()> {
         worlds = folder.settings().into_diagnostic()?.world();
         if args.float {
             let (settings, checkpoint) = folder.load().into_diagnostic()?;
-            float = Some(FloatActor::new(&settings, checkpoint.state.actor));
+            float = Some(FloatActor::new(&settings, checkpoint.state.average));
         }
     }
     let mut rows = Vec::new();

@@ -22,6 +22,8 @@ pub struct State {
     pub rounds: u32,
     /// The actor's parameters.
     pub actor: Vec<f32>,
+    /// Their running average: what is exported.
+    pub average: Vec<f32>,
     /// The critic's parameters.
     pub critic: Vec<f32>,
     /// The actor's optimiser.
@@ -156,9 +158,11 @@ impl Trainer {
     /// When the scenario cannot be built.
     pub fn new(settings: Settings) -> Result<Self, ScenarioError> {
         let layouts = Self::layouts(&settings);
+        let actor = initialise(&layouts[0], "actor weights", settings.seed);
         let state = State {
             rounds: 0,
-            actor: initialise(&layouts[0], "actor weights", settings.seed),
+            average: actor.clone(),
+            actor,
             critic: initialise(&layouts[1], "critic weights", settings.seed),
             actor_adam: Adam::new(layouts[0].len()),
             critic_adam: Adam::new(layouts[1].len()),
@@ -302,7 +306,13 @@ impl Trainer {
             values: [&mut state.actor, &mut state.critic],
             adam: [&mut state.actor_adam, &mut state.critic_adam],
         };
-        update(&mut learner, &segment, &plan, workers)
+        let outcome = update(&mut learner, &segment, &plan, workers);
+        // Early on the average is over all updates so far, or the first weights would linger.
+        let keep = s.averaging.min(number as f64 / (number as f64 + 1.0)) as f32;
+        for (average, value) in state.average.iter_mut().zip(&state.actor) {
+            *average = keep * *average + (1.0 - keep) * value;
+        }
+        outcome
     }
 
     /// 1 − var(return − value)/var(return); return − value is the advantage.
