@@ -171,7 +171,7 @@ settings! {
     /// Training episodes, at most: whole rounds of `worlds`, at least one.
     episodes: u32 = 1500, "1 to 100000000", |v| (1..=100_000_000).contains(v);
     /// Worlds that run side by side: one round is an episode of each.
-    worlds: u32 = 32, "1 to 65536", |v| (1..=65_536).contains(v);
+    worlds: u32 = 64, "1 to 65536", |v| (1..=65_536).contains(v);
     /// Steps between updates; must divide `steps`.
     segment: u32 = 25, "1 to 100000", |v| (1..=100_000).contains(v);
     /// Passes over a segment in an update.
@@ -182,7 +182,7 @@ settings! {
     /// use; results depend on this number, never on the number of threads.
     shards: u32 = 4, "1 to 256", |v| (1..=256).contains(v);
     /// Adam's learning rate at the start.
-    learning_rate: f64 = 5e-4, "above 0, at most 1", |v| *v > 0.0 && *v <= 1.0;
+    learning_rate: f64 = 8e-4, "above 0, at most 1", |v| *v > 0.0 && *v <= 1.0;
     /// Share of the learning rate that is left at the end (it falls linearly).
     learning_rate_end: f64 = 0.1, "0 to 1", |v| (0.0..=1.0).contains(v);
     /// Discount of future reward, per step. 1 with `lambda` 1 and `segment` = `steps` is
@@ -213,7 +213,7 @@ settings! {
     averaging: f64 = 0.95, "0 to 0.9999", |v| (0.0..=0.9999).contains(v);
     /// The exported actor's logits are divided by this: below 1 it draws less at random than
     /// in training, above 1 more.
-    temperature: f64 = 1.0, "0.05 to 20", |v| (0.05..=20.0).contains(v);
+    temperature: f64 = 0.8, "0.05 to 20", |v| (0.05..=20.0).contains(v);
     /// Episodes between checkpoints.
     checkpoint_every: u32 = 320, "1 to 100000000", |v| (1..=100_000_000).contains(v);
     /// Held-out worlds of the evaluation at the end.
