@@ -26,7 +26,8 @@ pub enum Command {
     #[command(
         after_help = "Examples:\n  host-trainer eval\n  host-trainer eval --policy centroid --uavs 5,10,20 --json\n  \
         host-trainer eval --model actor.postcard --scenario uniform --decide argmax\n  \
-        host-trainer eval --run runs/gcn-seed10 --float"
+        host-trainer eval --run runs/gcn-seed10 --float\n  \
+        host-trainer eval --actor qemu-m7 --worlds 10"
     )]
     Eval(Eval),
     /// Quantise the newest checkpoint of a run into an actor file.
@@ -93,6 +94,19 @@ pub enum DecideArg {
     Argmax,
 }
 
+/// What runs the actor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ActorArg {
+    /// This computer.
+    Host,
+    /// The flight program on a Cortex-M7 (QEMU's mps2-an500).
+    #[value(name = "qemu-m7")]
+    QemuM7,
+    /// The flight program on a Cortex-M4F (QEMU's mps2-an386).
+    #[value(name = "qemu-m4f")]
+    QemuM4f,
+}
+
 /// `train`.
 #[derive(Debug, Args)]
 pub struct Train {
@@ -137,6 +151,13 @@ pub struct Eval {
     /// A hand-written policy instead.
     #[arg(long)]
     pub policy: Option<PolicyArg>,
+    /// What decides: this computer, or the flight program on an emulated flight controller.
+    /// Then every decision is also computed here and compared; a difference is an error.
+    #[arg(long, default_value = "host", conflicts_with_all = ["policy", "float"])]
+    pub actor: ActorArg,
+    /// The flight program for --actor qemu-… [default: where `cargo xtask targets` puts it].
+    #[arg(long, value_name = "ELF", requires = "actor")]
+    pub image: Option<PathBuf>,
     /// Numbers of UAVs.
     #[arg(long, value_name = "N,N", value_delimiter = ',', default_value = "20")]
     pub uavs: Vec<u16>,
@@ -159,7 +180,7 @@ pub struct Eval {
     /// One JSON array of rows instead of a table.
     #[arg(long)]
     pub json: bool,
-    /// Threads [default: one a core].
+    /// Threads, or emulated boards with --actor qemu-… [default: one a core].
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
 }

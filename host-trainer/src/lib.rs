@@ -4,6 +4,7 @@ pub mod cli;
 pub mod commands;
 pub mod finish;
 pub mod float_actor;
+pub mod in_the_loop;
 pub mod measure;
 pub mod net;
 pub mod quantise;

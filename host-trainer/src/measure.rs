@@ -7,7 +7,7 @@ use crate::settings::law_name;
 use crate::train::floats;
 use covey_env::baselines::{Centroid, Greedy, Hover, Random};
 use covey_env::oracles::{FlyToSites, evaluate_parked};
-use covey_env::{ActorPolicy, EpisodeMetrics, Evaluation, Policy, Scenario, ScenarioError, World, evaluate};
+use covey_env::{ActorPolicy, Evaluation, Policy, Scenario, ScenarioError, World, evaluate};
 use firmware_core::action::Action;
 use firmware_core::actor::{Actor, Mode, argmax as int8_argmax};
 use rayon::prelude::*;
@@ -36,6 +36,17 @@ pub struct Trial {
     pub mode: Mode,
 }
 
+/// Decisions that a board made.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BoardFigures {
+    /// The board, as `--actor` names it.
+    pub actor: String,
+    /// How many.
+    pub decisions: u64,
+    /// In how many this computer gets another feature, other logits or another action.
+    pub differences: u64,
+}
+
 /// A metric's mean over worlds and the standard error of it.
 macro_rules! row {
     ($($metric:ident $error:ident $doc:literal;)*) => {
@@ -60,10 +71,16 @@ macro_rules! row {
                 /// Standard error of the mean.
                 pub $error: f64,
             )*
+            /// What decided, when it was not this computer.
+            #[serde(flatten)]
+            pub board: Option<BoardFigures>,
         }
 
         impl EvalRow {
-            fn new(policy: &str, trial: &Trial, decide: &str, mean: &EpisodeMetrics, se: &EpisodeMetrics) -> Self {
+            /// The row of an evaluation; `policy` and `decide` go into it.
+            #[must_use]
+            pub fn new(policy: &str, trial: &Trial, decide: &str, evaluation: &Evaluation) -> Self {
+                let (mean, se) = (evaluation.mean(), evaluation.standard_error());
                 Self {
                     policy: policy.to_owned(),
                     scenario: law_name(trial.scenario.law).to_owned(),
@@ -72,6 +89,7 @@ macro_rules! row {
                     seed: trial.seed,
                     decide: decide.to_owned(),
                     $($metric: mean.$metric, $error: se.$metric,)*
+                    board: None,
                 }
             }
 
@@ -138,7 +156,7 @@ impl Subject<'_> {
     /// When the scenario cannot be built.
     pub fn measure(&self, name: &str, trial: &Trial) -> Result<EvalRow, ScenarioError> {
         let evaluation = self.evaluate(trial)?;
-        Ok(EvalRow::new(name, trial, self.decide(trial.mode), &evaluation.mean(), &evaluation.standard_error()))
+        Ok(EvalRow::new(name, trial, self.decide(trial.mode), &evaluation))
     }
 
     fn evaluate(&self, trial: &Trial) -> Result<Evaluation, ScenarioError> {

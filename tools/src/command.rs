@@ -2,10 +2,9 @@
 
 use std::ffi::OsStr;
 use std::fmt;
-use std::fs::File;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 
 use crate::error::{Error, Result};
 use crate::workspace;
@@ -109,16 +108,6 @@ impl Cmd {
         let text = String::from_utf8_lossy(&text).into_owned();
         self.check(output.status, &text)?;
         Ok(text)
-    }
-
-    /// Starts it with both outputs in a file.
-    ///
-    /// # Errors
-    /// It cannot be started, or the file cannot be written.
-    pub fn spawn_into(&self, file: &Path) -> Result<Child> {
-        let out = File::create(file).map_err(Error::file(file))?;
-        let err = out.try_clone().map_err(Error::file(file))?;
-        self.build().stdout(out).stderr(err).spawn().map_err(self.start_error())
     }
 
     /// Runs it quietly: did it succeed?

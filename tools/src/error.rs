@@ -103,6 +103,9 @@ pub enum Error {
     /// Flashing failed.
     #[error(transparent)]
     Flash(#[from] FlashError),
+    /// The emulated board does not run.
+    #[error(transparent)]
+    Qemu(#[from] covey_link::qemu::QemuError),
     /// A failure whose full account stands on the terminal already.
     #[error("failed, see above")]
     Reported,

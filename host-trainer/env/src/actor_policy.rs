@@ -58,6 +58,12 @@ impl<'a> ActorPolicy<'a> {
         &self.links
     }
 
+    /// Features of all UAVs at the last [`Self::look`].
+    #[must_use]
+    pub fn features(&self) -> &[Feature] {
+        &self.features
+    }
+
     /// Logits of UAV `i` for what it saw and heard at the last [`Self::look`].
     ///
     /// # Panics

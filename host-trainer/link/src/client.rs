@@ -1,12 +1,10 @@
 //! The requests, with the types of a host.
 
 use crate::LinkError;
-use crate::exchange::{Exchange, Options};
-use firmware_core::geometry::{OBSERVATION_RANGE_U, State, TICKS_PER_U, Vec2};
-use firmware_core::link::{
-    ActorInfo, Decided, Fault, Hear, MAX_CASES, MAX_POIS, Observe, POI_BYTES, Refusal, Reply, Report, Request, Setup,
-    Status,
-};
+use crate::exchange::{Exchange, Options, name};
+use crate::records::{board, decided, heard, in_view, observe_request, observed, read};
+use firmware_core::geometry::{State, Vec2};
+use firmware_core::link::{ActorInfo, Decided, Fault, Hear, MAX_CASES, Refusal, Reply, Report, Request, Setup, Status};
 use firmware_core::message::{MAX_LEN, Message};
 use firmware_core::neighbour_table::{Answer, Moment};
 use std::io::{Read, Write};
@@ -54,7 +52,7 @@ pub struct Observed {
 /// The host's end of the actor link.
 #[derive(Debug)]
 pub struct Client<S> {
-    exchange: Exchange<S>,
+    pub(crate) exchange: Exchange<S>,
 }
 
 impl Client<TcpStream> {
@@ -125,7 +123,7 @@ impl<S: Read + Write> Client<S> {
     /// # Errors
     /// See [`LinkError`]; [`Refusal::Fault`] when the board has no sound actor.
     pub fn hello(&mut self, setup: Setup) -> Result<Board, LinkError> {
-        self.ask("hello", &Request::Hello(setup), board)
+        self.ask(&Request::Hello(setup), board)
     }
 
     /// Runs the self-test again.
@@ -133,7 +131,7 @@ impl<S: Read + Write> Client<S> {
     /// # Errors
     /// As [`Self::hello`].
     pub fn self_test(&mut self) -> Result<Board, LinkError> {
-        self.ask("self-test", &Request::SelfTest, board)
+        self.ask(&Request::SelfTest, board)
     }
 
     /// Passes on a neighbour's message heard at `now` at `own_position` (ticks).
@@ -153,10 +151,7 @@ impl<S: Read + Write> Client<S> {
             return Err(LinkError::Refused(Refusal::Message));
         }
         let position = [own_position.x, own_position.y];
-        self.ask("hear", &Request::Hear(Hear { now, position, message }), |reply| match reply {
-            Reply::Heard { answer, kept } => Some(Ok(Heard { answer, kept })),
-            _ => None,
-        })
+        self.ask(&Request::Hear(Hear { now, position, message }), heard)
     }
 
     /// Lets the board observe and encode the step `now` from its own state and the PoIs
@@ -170,26 +165,8 @@ impl<S: Read + Write> Client<S> {
         own: State,
         pois: impl IntoIterator<Item = Vec2>,
     ) -> Result<Observed, LinkError> {
-        let mut offsets = Vec::new();
-        for poi in pois {
-            let offset = poi - own.position;
-            if offset.within(OBSERVATION_RANGE_U * TICKS_PER_U).is_some() {
-                // In view: at most 13,312 ticks.
-                offsets.extend_from_slice(&(offset.x as i16).to_le_bytes());
-                offsets.extend_from_slice(&(offset.y as i16).to_le_bytes());
-            }
-        }
-        if offsets.len() > MAX_POIS * POI_BYTES {
-            return Err(LinkError::TooManyPois(offsets.len() / POI_BYTES));
-        }
-        let (position, velocity) = ([own.position.x, own.position.y], [own.velocity.x, own.velocity.y]);
-        let request = Request::Observe(Observe { now, position, velocity, pois: &offsets });
-        self.ask("observe", &request, |reply| match reply {
-            Reply::Observed(o) if o.step == now.step => {
-                Some(Ok(Observed { degree: o.degree, tie: o.tie, message: o.message.to_vec() }))
-            }
-            _ => None,
-        })
+        let pois = in_view(own.position, pois)?;
+        self.ask(&observe_request(now, own, &pois), |reply| observed(now.step, reply))
     }
 
     /// Lets the board decide the step that it observed last.
@@ -197,10 +174,7 @@ impl<S: Read + Write> Client<S> {
     /// # Errors
     /// See [`LinkError`]; [`Refusal::NotObserved`] when that was another step.
     pub fn decide(&mut self, step: u32) -> Result<Decided, LinkError> {
-        self.ask("decide", &Request::Decide { step }, |reply| match reply {
-            Reply::Decided(d) if d.step == step => Some(Ok(d)),
-            _ => None,
-        })
+        self.ask(&Request::Decide { step }, |reply| decided(step, reply))
     }
 
     /// How the board and the line are.
@@ -208,7 +182,7 @@ impl<S: Read + Write> Client<S> {
     /// # Errors
     /// See [`LinkError`].
     pub fn status(&mut self) -> Result<Status, LinkError> {
-        self.ask("status", &Request::Status, |reply| match reply {
+        self.ask(&Request::Status, |reply| match reply {
             Reply::Status(status) => Some(Ok(status)),
             _ => None,
         })
@@ -226,7 +200,7 @@ impl<S: Read + Write> Client<S> {
         loop {
             let add = (cases - from).min(u32::from(chunk)) as u16;
             let request = Request::Sign { from, cases: add };
-            let (done, value) = self.ask("signature", &request, |reply| match reply {
+            let (done, value) = self.ask(&request, |reply| match reply {
                 Reply::Signature { cases, value } => Some(Ok((cases, value))),
                 _ => None,
             })?;
@@ -242,28 +216,13 @@ impl<S: Read + Write> Client<S> {
         }
     }
 
-    /// Asks, and makes of the answer what `pick` does; what it does not pick is unexpected.
+    /// Asks, and makes of the answer what `pick` does.
     fn ask<T>(
         &mut self,
-        name: &'static str,
         request: &Request<'_>,
         pick: impl FnOnce(Reply<'_>) -> Option<Result<T, LinkError>>,
     ) -> Result<T, LinkError> {
-        let record = self.exchange.ask(name, request)?;
-        match postcard::take_from_bytes(&record) {
-            Ok((Reply::Refused(Refusal::Version(version)), [])) => Err(LinkError::Version(version)),
-            Ok((Reply::Refused(refusal), [])) => Err(LinkError::Refused(refusal)),
-            Ok((reply, [])) => pick(reply).unwrap_or(Err(LinkError::Unexpected { request: name })),
-            _ => Err(LinkError::Unexpected { request: name }),
-        }
-    }
-}
-
-/// A board that may fly, out of its report.
-fn board(reply: Reply<'_>) -> Option<Result<Board, LinkError>> {
-    match reply {
-        Reply::Report(Report { actor: Err(fault), .. }) => Some(Err(LinkError::Refused(Refusal::Fault(fault)))),
-        Reply::Report(report) => Some(Ok(report.into())),
-        _ => None,
+        let record = self.exchange.ask(request)?;
+        read(&record, name(request), pick)
     }
 }

@@ -25,6 +25,23 @@ impl Default for Options {
 /// Version, tag, record and checksum.
 const CONTENT: usize = MAX_REPLY + 4;
 
+/// Requests that may be under way together. They and their answers fit into the buffers of a
+/// socket, so that neither end waits for the other to read; and fewer than there are tags.
+const WINDOW: usize = 32;
+
+/// A request's name in errors.
+pub(crate) const fn name(request: &Request<'_>) -> &'static str {
+    match request {
+        Request::Hello(_) => "hello",
+        Request::Hear(_) => "hear",
+        Request::Observe(_) => "observe",
+        Request::Decide { .. } => "decide",
+        Request::Status => "status",
+        Request::SelfTest => "self-test",
+        Request::Sign { .. } => "signature",
+    }
+}
+
 /// A stream with frames in it.
 #[derive(Debug)]
 pub(crate) struct Exchange<S> {
@@ -81,31 +98,57 @@ impl<S: Read + Write> Exchange<S> {
     }
 
     /// Asks until there is an answer, and returns its record.
-    pub(crate) fn ask(&mut self, name: &'static str, request: &Request<'_>) -> Result<Vec<u8>, LinkError> {
+    pub(crate) fn ask(&mut self, request: &Request<'_>) -> Result<Vec<u8>, LinkError> {
+        Ok(self.ask_all(std::slice::from_ref(request))?.swap_remove(0))
+    }
+
+    /// Asks all of these without waiting, until each has its answer, and returns their records.
+    /// More than one only where the line holds back what the board has not read; see [`WINDOW`].
+    pub(crate) fn ask_all(&mut self, requests: &[Request<'_>]) -> Result<Vec<Vec<u8>>, LinkError> {
+        let mut records = Vec::with_capacity(requests.len());
+        for window in requests.chunks(WINDOW) {
+            records.append(&mut self.ask_window(window)?);
+        }
+        Ok(records)
+    }
+
+    fn ask_window(&mut self, requests: &[Request<'_>]) -> Result<Vec<Vec<u8>>, LinkError> {
         let attempts = self.options.attempts.max(1);
+        let mut missing = "";
         for _ in 0..attempts {
-            self.tag = if self.tag == u8::MAX { UNASKED + 1 } else { self.tag + 1 };
-            self.send(request)?;
+            let tags = self.send(requests)?;
+            let mut records = Vec::with_capacity(requests.len());
             let timeout = self.options.timeout;
             let deadline = (!timeout.is_zero()).then(|| Instant::now() + timeout);
             // Answers to earlier attempts may still come; they are passed over.
             while let Some(frame) = self.receive(deadline)? {
-                if frame.tag == self.tag {
-                    return Ok(frame.record);
-                }
-                if frame.tag == UNASKED {
+                // The board answers in order: behind a lost answer no later one counts.
+                if tags.get(records.len()) == Some(&frame.tag) {
+                    records.push(frame.record);
+                    if records.len() == requests.len() {
+                        return Ok(records);
+                    }
+                } else if frame.tag == UNASKED {
                     self.unasked = Some(frame.record);
                 }
             }
+            missing = requests.get(records.len()).map_or("", name);
         }
-        Err(LinkError::Silent { request: name, attempts })
+        Err(LinkError::Silent { request: missing, attempts })
     }
 
-    fn send(&mut self, request: &Request<'_>) -> Result<(), LinkError> {
-        let mut buffer = [0; frame_len(MAX_REQUEST)];
-        let frame = seal(self.tag, request, &mut buffer).ok_or(Error::from(ErrorKind::InvalidInput))?;
-        self.stream.write_all(frame)?;
-        Ok(self.stream.flush()?)
+    /// Writes these requests in one go and returns their tags.
+    fn send(&mut self, requests: &[Request<'_>]) -> Result<Vec<u8>, LinkError> {
+        let (mut bytes, mut tags) = (Vec::new(), Vec::with_capacity(requests.len()));
+        for request in requests {
+            self.tag = if self.tag == u8::MAX { UNASKED + 1 } else { self.tag + 1 };
+            tags.push(self.tag);
+            let mut buffer = [0; frame_len(MAX_REQUEST)];
+            bytes.extend_from_slice(seal(self.tag, request, &mut buffer).ok_or(Error::from(ErrorKind::InvalidInput))?);
+        }
+        self.stream.write_all(&bytes)?;
+        self.stream.flush()?;
+        Ok(tags)
     }
 
     /// The next intact frame, or nothing until the deadline (none: until nothing comes).

@@ -32,7 +32,14 @@
 mod client;
 mod error;
 mod exchange;
+mod loopback;
+#[cfg(unix)]
+pub mod qemu;
+mod records;
+mod turn;
 
 pub use client::{Board, Client, Heard, Observed};
 pub use error::LinkError;
 pub use exchange::Options;
+pub use loopback::Loopback;
+pub use turn::Turn;

@@ -1,10 +1,11 @@
 //! `eval`: policies on held-out worlds.
 
+use super::boards::Emulated;
 use super::inspect::load;
 use super::{read, use_threads};
 use crate::cli::{DecideArg, Eval};
 use crate::float_actor::FloatActor;
-use crate::measure::{EvalRow, Subject, Trial, agreement, table};
+use crate::measure::{BoardFigures, EvalRow, Subject, Trial, agreement, table};
 use crate::run::RunFolder;
 use covey_env::Scenario;
 use firmware_core::actor::Mode;
@@ -46,18 +47,37 @@ pub fn run(args: &Eval) -> Result<()> {
             float = Some(FloatActor::new(&settings, checkpoint.state.average));
         }
     }
-    let mut rows = Vec::new();
+    let board = Emulated::find(args.actor, args.image.as_deref())?;
+    let (mut rows, mut difference) = (Vec::new(), None);
     for &uavs in &args.uavs {
         let scenario = Scenario { uavs: usize::from(uavs), law: args.scenario.into(), ..worlds.clone() };
         let trial = Trial { scenario, seed: args.seed, worlds: args.worlds, mode };
-        rows.extend(one(args, (&bytes, &name), float.as_ref(), &trial)?);
+        match &board {
+            None => rows.extend(one(args, (&bytes, &name), float.as_ref(), &trial)?),
+            Some(board) => {
+                let actor = load(&bytes).wrap_err_with(|| format!("{name} cannot fly"))?;
+                let policy = format!("{} int8", actor.aggregation().name());
+                let (row, first) = board.measure(&policy, &bytes, &actor, &trial)?;
+                rows.push(row);
+                difference = difference.or(first);
+            }
+        }
     }
     if args.json {
         println!("{}", serde_json::to_string_pretty(&rows).into_diagnostic()?);
     } else {
         print!("{}", table(&rows));
+        for (row, board) in rows.iter().filter_map(|row| Some((row, row.board.as_ref()?))) {
+            let BoardFigures { actor, decisions, differences } = board;
+            println!("{actor}, {} UAVs: {decisions} decisions, {differences} differences", row.uavs);
+        }
     }
-    Ok(())
+    difference.map_or(Ok(()), |first| {
+        Err(miette!(
+            help = "build the flight program anew: `cargo xtask targets`",
+            "the board decides otherwise than this computer, first: {first}"
+        ))
+    })
 }
 
 /// The rows for one number of UAVs; `file` is the actor file's bytes and its name.

@@ -1,6 +1,7 @@
 //! What the commands do.
 
 mod bench;
+mod boards;
 mod eval;
 mod export;
 mod inspect;

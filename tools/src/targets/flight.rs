@@ -3,21 +3,20 @@
 mod qmp;
 pub mod session;
 
-use std::collections::VecDeque;
 use std::fs;
-use std::io::{Error as IoError, ErrorKind, Read, Write};
+use std::io::{Read, Write};
 use std::path::Path;
 use std::time::Duration;
 
-use covey_link::{Client, LinkError, Options};
+use covey_link::{Client, LinkError, Loopback, Options};
 use firmware_core::geometry::{State, TICKS_PER_U, Vec2};
-use firmware_core::link::{Decided, Fault, MAX_POIS, Server, Setup};
+use firmware_core::link::{Decided, Fault, MAX_POIS, Setup};
 use firmware_core::message::{Beacon, Feature, Header, MAX_LEN, Message};
 use firmware_core::neighbour_table::Moment;
 
 use super::artefacts::{Actors, Image};
+use super::elf;
 use super::qemu::Machine;
-use super::{elf, work_folder};
 use crate::error::{Error, Result};
 use session::Session;
 
@@ -40,9 +39,9 @@ pub fn fly(machine: Machine, image: &Image, actors: &[&Path]) -> Result<u64> {
     let mut deepest = 0;
     for actor in actors {
         let file = fs::read(actor).map_err(Error::file(actor))?;
-        let here = mission(&mut Client::new(Local::new(&file), LOCAL), |_| Ok(()))?;
-        let mut session = Session::start(machine, &image.flight, Some(actor))?;
-        let there = mission(&mut session.client(PATIENCE)?, |noise| session.write(noise))?;
+        let here = mission(&mut Client::new(Loopback::new(&file), Loopback::OPTIONS), |_| Ok(()))?;
+        let session = Session::start(machine, &image.flight, Some(&file))?;
+        let there = mission(&mut session.client(PATIENCE)?, |noise| Ok(session.write(noise)?))?;
         if let Some(step) = (0..STEPS as usize).find(|&step| here.decisions[step] != there.decisions[step]) {
             return Err(Error::Setup(format!(
                 "{}: step {step} with {}: the board decides {:?}, this computer {:?}",
@@ -67,9 +66,7 @@ pub fn fly(machine: Machine, image: &Image, actors: &[&Path]) -> Result<u64> {
 pub fn refuses_bad_files(machine: Machine, image: &Image, actors: &Actors) -> Result<()> {
     let mut bytes = fs::read(&actors.gcn).map_err(Error::file(&actors.gcn))?;
     bytes[1000] ^= 1;
-    let damaged = work_folder().join("damaged.actor");
-    fs::write(&damaged, bytes).map_err(Error::file(&damaged))?;
-    for (file, fault) in [(Some(&*damaged), Fault::Checksum), (None, Fault::NotAnActor)] {
+    for (file, fault) in [(Some(&*bytes), Fault::Checksum), (None, Fault::NotAnActor)] {
         let session = Session::start(machine, &image.flight, file)?;
         let mut board = session.client(PATIENCE)?;
         let answer = board.hello(setup());
@@ -150,45 +147,6 @@ impl Random {
         let mut axis = || (self.next() % (2 * range as u32 + 1)) as i32 - range;
         let (x, y) = (axis(), axis());
         Vec2::from_ticks(x, y)
-    }
-}
-
-/// A server in this process answers at once or never.
-const LOCAL: Options = Options { timeout: Duration::ZERO, attempts: 1 };
-
-/// A board in this process, as a stream.
-struct Local<'a> {
-    board: Server<'a>,
-    answers: VecDeque<u8>,
-}
-
-impl<'a> Local<'a> {
-    fn new(file: &'a [u8]) -> Self {
-        let mut board = Server::new();
-        let answers = board.boot(file).iter().copied().collect();
-        Self { board, answers }
-    }
-}
-
-impl Write for Local<'_> {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        for &byte in bytes {
-            self.answers.extend(self.board.push(byte).unwrap_or_default());
-        }
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        Ok(())
-    }
-}
-
-impl Read for Local<'_> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        match self.answers.read(buffer) {
-            Ok(0) => Err(IoError::from(ErrorKind::WouldBlock)),
-            read => read,
-        }
     }
 }
 

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use covey_link::qemu;
+
 use super::artefacts::Image;
 use crate::command::Cmd;
 use crate::error::{Error, Result};
 
-/// Where the image for QEMU looks for its actor file; see its memory map.
-pub const ACTOR_ADDRESS: &str = "0x00200000";
 /// No measurement takes longer on the slowest machine, seconds.
 const TIME_LIMIT: u32 = 600;
 
@@ -33,25 +33,11 @@ impl Machine {
         }
     }
 
-    /// QEMU, ready to run `program`, with `actor` in its flash.
-    pub fn run(self, program: &Path, actor: Option<&Path>) -> Cmd {
-        let name = match self {
-            Self::CortexM7 => "mps2-an500",
-            Self::CortexM4f => "mps2-an386",
-        };
-        let command = Cmd::new("qemu-system-arm")
-            .args(["-machine", name])
-            .args(["-nographic", "-monitor", "none", "-kernel"])
-            .arg(program);
-        match actor {
-            Some(file) => command
-                .arg("-device")
-                // In an option's value QEMU takes two commas for one.
-                .arg(format!(
-                    "loader,file={},addr={ACTOR_ADDRESS},force-raw=on",
-                    file.display().to_string().replace(',', ",,")
-                )),
-            None => command,
+    /// The board that the link's crate starts.
+    pub const fn board(self) -> qemu::Machine {
+        match self {
+            Self::CortexM7 => qemu::Machine::CortexM7,
+            Self::CortexM4f => qemu::Machine::CortexM4f,
         }
     }
 
@@ -85,7 +71,7 @@ impl Machine {
         for word in words {
             semihosting += &format!(",arg={word}");
         }
-        let mut command = self.run(&image.measure, actor);
+        let mut command = Cmd::new(qemu::PROGRAM).args(self.board().arguments(&image.measure, actor));
         command = command.args(["-serial", "null", "-semihosting-config", &semihosting]);
         if exact {
             // 1024 ns of the machine's time an instruction: see the image's instruction counter.

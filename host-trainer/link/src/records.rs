@@ -1,0 +1,75 @@
+//! Requests and answers between a host's types and the protocol's.
+
+use crate::LinkError;
+use crate::client::{Board, Heard, Observed};
+use firmware_core::geometry::{OBSERVATION_RANGE_U, State, TICKS_PER_U, Vec2};
+use firmware_core::link::{Decided, MAX_POIS, Observe, POI_BYTES, Refusal, Reply, Report, Request};
+use firmware_core::neighbour_table::Moment;
+
+/// Makes of an answer what `pick` does; what it does not pick is unexpected.
+pub(crate) fn read<T>(
+    record: &[u8],
+    request: &'static str,
+    pick: impl FnOnce(Reply<'_>) -> Option<Result<T, LinkError>>,
+) -> Result<T, LinkError> {
+    match postcard::take_from_bytes(record) {
+        Ok((Reply::Refused(Refusal::Version(version)), [])) => Err(LinkError::Version(version)),
+        Ok((Reply::Refused(refusal), [])) => Err(LinkError::Refused(refusal)),
+        Ok((reply, [])) => pick(reply).unwrap_or(Err(LinkError::Unexpected { request })),
+        _ => Err(LinkError::Unexpected { request }),
+    }
+}
+
+/// The PoIs in view of `own`, as a request holds them.
+pub(crate) fn in_view(own: Vec2, pois: impl IntoIterator<Item = Vec2>) -> Result<Vec<u8>, LinkError> {
+    let mut offsets = Vec::new();
+    for poi in pois {
+        let offset = poi - own;
+        if offset.within(OBSERVATION_RANGE_U * TICKS_PER_U).is_some() {
+            // In view: at most 13,312 ticks.
+            offsets.extend_from_slice(&(offset.x as i16).to_le_bytes());
+            offsets.extend_from_slice(&(offset.y as i16).to_le_bytes());
+        }
+    }
+    if offsets.len() > MAX_POIS * POI_BYTES {
+        return Err(LinkError::TooManyPois(offsets.len() / POI_BYTES));
+    }
+    Ok(offsets)
+}
+
+pub(crate) const fn observe_request(now: Moment, own: State, pois: &[u8]) -> Request<'_> {
+    let (position, velocity) = ([own.position.x, own.position.y], [own.velocity.x, own.velocity.y]);
+    Request::Observe(Observe { now, position, velocity, pois })
+}
+
+pub(crate) const fn heard(reply: Reply<'_>) -> Option<Result<Heard, LinkError>> {
+    match reply {
+        Reply::Heard { answer, kept } => Some(Ok(Heard { answer, kept })),
+        _ => None,
+    }
+}
+
+pub(crate) fn observed(step: u32, reply: Reply<'_>) -> Option<Result<Observed, LinkError>> {
+    match reply {
+        Reply::Observed(o) if o.step == step => {
+            Some(Ok(Observed { degree: o.degree, tie: o.tie, message: o.message.to_vec() }))
+        }
+        _ => None,
+    }
+}
+
+pub(crate) const fn decided(step: u32, reply: Reply<'_>) -> Option<Result<Decided, LinkError>> {
+    match reply {
+        Reply::Decided(d) if d.step == step => Some(Ok(d)),
+        _ => None,
+    }
+}
+
+/// A board that may fly, out of its report.
+pub(crate) fn board(reply: Reply<'_>) -> Option<Result<Board, LinkError>> {
+    match reply {
+        Reply::Report(Report { actor: Err(fault), .. }) => Some(Err(LinkError::Refused(Refusal::Fault(fault)))),
+        Reply::Report(report) => Some(Ok(report.into())),
+        _ => None,
+    }
+}
