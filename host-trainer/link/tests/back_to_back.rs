@@ -6,7 +6,7 @@ mod common;
 mod pipe;
 
 use common::sample_actor;
-use covey_link::{Client, LinkError, Options};
+use covey_link::{Client, LinkError, Options, Turn};
 use firmware_core::action::{ACTIONS, Action};
 use firmware_core::actor::{Actor, Aggregation, Logits, Mode, signature};
 use firmware_core::geometry::{State, TICKS_PER_U, Vec2};
@@ -138,6 +138,30 @@ proptest! {
         seed: u64, each in 0..150u16,
     ) {
         fly(&sample_actor(kind, 5), Line::bad(seed, each), STUBBORN, &steps, &pois);
+    }
+
+    #[test]
+    fn one_board_plays_a_swarm(
+        kind in kind(), turns in prop::collection::vec((0..9u16, draws()), 1..4), pois in pois(),
+        seed: u64, each in 0..60u16,
+    ) {
+        let file = sample_actor(kind, 5);
+        let actor = Actor::load(&file).unwrap();
+        let mut board = client(&file, Line::bad(seed, each), STUBBORN);
+        let own = State { position: Vec2 { x: 100_000, y: 100_000 }, velocity: Vec2 { x: 300, y: -700 } };
+        for (step, (id, draws)) in (5..).zip(turns) {
+            // Nothing of the UAV before is left.
+            let setup = Setup { id, ..SETUP };
+            let now = Moment { step, time_ms: step * 2000 };
+            let (beacons, features) = messages(step, &draws, &actor);
+            let (message, logits, action, used) =
+                Home::new(actor, setup).step(now, own, &pois, &beacons, &features);
+            let turn = Turn { setup, now, own, beacons: &beacons, pois: &pois, features: &features };
+            let (observed, decided) = board.take_turn(&turn).unwrap();
+            prop_assert_eq!(Message::decode(&observed.message).ok(), message);
+            prop_assert_eq!((decided.logits, decided.action), (logits, action.index()));
+            prop_assert_eq!(usize::from(decided.features), used);
+        }
     }
 
     #[test]

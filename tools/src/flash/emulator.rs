@@ -24,6 +24,6 @@ pub fn flash(machine: Machine, actor: &ActorFile, dry_run: bool) -> Result<()> {
     say("building the program");
     let image = Image::build(Board::Mps2)?;
     say(&format!("starting it on {}", machine.target()));
-    let session = Session::start(machine, &image.flight, Some(&actor.path))?;
+    let session = Session::start(machine, &image.flight, Some(&actor.bytes))?;
     verify(&mut session.client(PATIENCE)?, machine.target(), actor)
 }

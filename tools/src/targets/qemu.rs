@@ -41,6 +41,11 @@ impl Machine {
         }
     }
 
+    /// QEMU, ready to run `program`, with `actor` in its flash.
+    pub fn run(self, program: &Path, actor: Option<&Path>) -> Cmd {
+        Cmd::new(qemu::PROGRAM).args(self.board().arguments(program, actor))
+    }
+
     /// Compares the assembly kernel with its portable twin on this many layers.
     ///
     /// # Errors
@@ -71,7 +76,7 @@ impl Machine {
         for word in words {
             semihosting += &format!(",arg={word}");
         }
-        let mut command = Cmd::new(qemu::PROGRAM).args(self.board().arguments(&image.measure, actor));
+        let mut command = self.run(&image.measure, actor);
         command = command.args(["-serial", "null", "-semihosting-config", &semihosting]);
         if exact {
             // 1024 ns of the machine's time an instruction: see the image's instruction counter.

@@ -44,6 +44,14 @@ pub const STEPS: &[Step] = &[
     // Debug builds check for integer overflow, which the on-board arithmetic promises never to do.
     Step::cargo("core-debug", &["test", "--package", "firmware-core", "--no-fail-fast"]),
     Step { needs: targets::NEEDS, ..Step::cargo("targets", &["xtask", "targets"]) },
+    // The flight program that the step before has built flies whole worlds.
+    Step {
+        needs: targets::NEEDS,
+        ..Step::cargo(
+            "pil",
+            &["run", "--release", "--package", "host-trainer", "--", "eval", "--actor", "qemu-m7", "--worlds", "2"],
+        )
+    },
     Step {
         needs: &[Item::Browser, Item::PythonVenv],
         ..Step::cargo("tests", &["test", "--workspace", "--release", "--no-fail-fast"])
