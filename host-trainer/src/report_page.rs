@@ -7,11 +7,11 @@ use crate::run::RunFolder;
 use crate::settings::Settings;
 use crate::train::Row;
 use covey_env::{ActorPolicy, Trace};
-use covey_report::metrics;
 use covey_report::report::{
     Better, Cell, Chart, Column, Content, Episode, Estimate, Figure, Frame, Group, Reference, Report, Row as TableRow,
-    Run, Section, Series, Table, comparison,
+    Run, Section, Series, Table, comparison, episode_svg,
 };
+use covey_report::{atomic, metrics};
 use firmware_core::geometry::{COMMUNICATION_RANGE_U, COVERAGE_RANGE_U, OBSERVATION_RANGE_U};
 use miette::{IntoDiagnostic, Result, miette};
 use std::path::PathBuf;
@@ -19,13 +19,22 @@ use std::path::PathBuf;
 /// Points of a curve before it is averaged over stretches.
 const BINS: usize = 200;
 
-/// Writes the report of a run into its folder.
+/// The step of the picture: UAVs have found their places.
+const PICTURE_STEP: usize = 80;
+
+/// Writes the report of a run into its folder, and once it has an actor a picture of it
+/// flying.
 ///
 /// # Errors
 /// When a file of the run cannot be read or the page not be written.
 pub fn write(folder: &RunFolder) -> Result<PathBuf> {
     let path = folder.report();
     page(folder)?.write(&path).into_diagnostic()?;
+    if let Some(episode) = episode(folder, &folder.settings().into_diagnostic()?)? {
+        let step = PICTURE_STEP.min(episode.steps());
+        let picture = episode_svg(&episode, step).into_diagnostic()?;
+        atomic::write(folder.picture(), picture.as_bytes()).into_diagnostic()?;
+    }
     Ok(path)
 }
 

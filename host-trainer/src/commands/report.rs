@@ -14,10 +14,12 @@ pub fn run(args: &Report) -> Result<()> {
     let folders = args.runs.iter().map(|r| RunFolder::open(r).into_diagnostic()).collect::<Result<Vec<_>>>()?;
     let path = match &folders[..] {
         [one] => {
-            let page = report_page::page(one)?;
-            let path = args.out.clone().unwrap_or_else(|| one.report());
-            page.write(&path).into_diagnostic()?;
-            path
+            if let Some(path) = &args.out {
+                report_page::page(one)?.write(path).into_diagnostic()?;
+                path.clone()
+            } else {
+                report_page::write(one)?
+            }
         }
         many => {
             let page = report_page::compare(many)?;

@@ -205,6 +205,7 @@ impl Session {
             );
             println!("actor file  {} ({} bytes)", self.folder.actor().display(), done.file.len());
             println!("report      {}", page.display());
+            println!("picture     {}", self.folder.picture().display());
             println!("next        host-trainer inspect {}", self.folder.actor().display());
             println!("            host-trainer eval --model {} --uavs 5,10,20", self.folder.actor().display());
         }

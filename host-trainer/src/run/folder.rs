@@ -153,6 +153,12 @@ impl RunFolder {
         self.0.join("evaluation.json")
     }
 
+    /// `picture.svg`.
+    #[must_use]
+    pub fn picture(&self) -> PathBuf {
+        self.0.join("picture.svg")
+    }
+
     /// `report.html`.
     #[must_use]
     pub fn report(&self) -> PathBuf {
