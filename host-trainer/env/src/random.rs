@@ -7,7 +7,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 /// none depends on another, so worlds can be made in any order and on any thread.
 /// Only the first 24 bytes of `purpose` count.
 ///
-/// The numbers drawn by [`unit`], [`below`] and [`normal_pair`] are fixed by this module
+/// The numbers drawn by [`unit()`], [`below`] and [`normal_pair`] are fixed by this module
 /// and by ChaCha alone: the same on every target and with every version of `rand`.
 #[must_use]
 pub fn stream(purpose: &str, seed: u64, index: u64) -> ChaCha8Rng {

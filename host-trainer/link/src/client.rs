@@ -158,7 +158,7 @@ impl<S: Read + Write> Client<S> {
     /// (positions, ticks; those out of view are left out).
     ///
     /// # Errors
-    /// See [`LinkError`]; [`LinkError::TooManyPois`] when more than [`MAX_POIS`] are in view.
+    /// See [`LinkError`]; [`LinkError::TooManyPois`] when more than [`firmware_core::link::MAX_POIS`] are in view.
     pub fn observe(
         &mut self,
         now: Moment,
