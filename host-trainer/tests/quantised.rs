@@ -116,7 +116,7 @@ fn the_full_network_keeps_its_choices_in_int8() {
 /// A temperature divides the logits and nothing else.
 #[test]
 fn a_temperature_scales_the_exported_logits() {
-    let cool = Settings { episodes: 16, ..tiny(Aggregation::Gcn) };
+    let cool = Settings { episodes: 16, temperature: 1.0, ..tiny(Aggregation::Gcn) };
     let warm = Settings { temperature: 2.0, ..cool.clone() };
     let (one, two) = (trained(&cool), trained(&warm));
     let logits = |actor: &FloatActor| calibrate(actor, &cool.world(), 2, 1).expect("flown").1[0].logits.clone();

@@ -112,29 +112,43 @@ impl<S: Read + Write> Exchange<S> {
         Ok(records)
     }
 
+    /// All in one go; where an answer is lost, in two halves, one after the other: on a bad line
+    /// a long window would hardly ever come through whole.
     fn ask_window(&mut self, requests: &[Request<'_>]) -> Result<Vec<Vec<u8>>, LinkError> {
-        let attempts = self.options.attempts.max(1);
-        let mut missing = "";
+        let alone = requests.len() <= 1;
+        let attempts = if alone { self.options.attempts.max(1) } else { 1 };
         for _ in 0..attempts {
-            let tags = self.send(requests)?;
-            let mut records = Vec::with_capacity(requests.len());
-            let timeout = self.options.timeout;
-            let deadline = (!timeout.is_zero()).then(|| Instant::now() + timeout);
-            // Answers to earlier attempts may still come; they are passed over.
-            while let Some(frame) = self.receive(deadline)? {
-                // The board answers in order: behind a lost answer no later one counts.
-                if tags.get(records.len()) == Some(&frame.tag) {
-                    records.push(frame.record);
-                    if records.len() == requests.len() {
-                        return Ok(records);
-                    }
-                } else if frame.tag == UNASKED {
-                    self.unasked = Some(frame.record);
-                }
+            let records = self.attempt(requests)?;
+            if records.len() == requests.len() {
+                return Ok(records);
             }
-            missing = requests.get(records.len()).map_or("", name);
         }
-        Err(LinkError::Silent { request: missing, attempts })
+        if alone {
+            return Err(LinkError::Silent { request: requests.first().map_or("", name), attempts });
+        }
+        let (first, second) = requests.split_at(requests.len() / 2);
+        let mut records = self.ask_window(first)?;
+        records.append(&mut self.ask_window(second)?);
+        Ok(records)
+    }
+
+    /// Asks once; returns the records up to the first that did not come.
+    fn attempt(&mut self, requests: &[Request<'_>]) -> Result<Vec<Vec<u8>>, LinkError> {
+        let tags = self.send(requests)?;
+        let mut records = Vec::with_capacity(requests.len());
+        let timeout = self.options.timeout;
+        let deadline = (!timeout.is_zero()).then(|| Instant::now() + timeout);
+        // Answers to earlier attempts may still come; they are passed over.
+        while records.len() < requests.len() {
+            let Some(frame) = self.receive(deadline)? else { break };
+            // The board answers in order: behind a lost answer no later one counts.
+            if tags.get(records.len()) == Some(&frame.tag) {
+                records.push(frame.record);
+            } else if frame.tag == UNASKED {
+                self.unasked = Some(frame.record);
+            }
+        }
+        Ok(records)
     }
 
     /// Writes these requests in one go and returns their tags.
