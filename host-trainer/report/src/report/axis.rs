@@ -12,7 +12,10 @@ impl Axis {
     /// From the lowest to the highest value, with about `ticks` ticks inside.
     pub fn exact((low, high): (f64, f64), ticks: u32) -> Self {
         let (low, high) = widened(low, high);
-        Self { low, high, step: round_step((high - low) / f64::from(ticks)) }
+        let step = round_step((high - low) / f64::from(ticks));
+        // Rounded up beyond the whole range, a step may have no multiple inside it.
+        let step = if step > high - low { round_step(0.3 * step) } else { step };
+        Self { low, high, step }
     }
 
     /// As [`Axis::exact`], but an end just short of a tick is lengthened to it.
@@ -134,6 +137,13 @@ mod tests {
         assert_eq!(number(-1234567.891, 1), "−1,234,567.9");
         assert_eq!(number(-0.0004, 3), "0.000");
         assert_eq!(number(f64::NAN, 3), "–");
+    }
+
+    #[test]
+    fn a_range_shorter_than_its_rounded_step_has_a_tick() {
+        for (low, high) in [(-4.58, -0.29), (-4.583870523906242e-81, -2.943432413207027e-82)] {
+            assert!(Axis::exact((low, high), 2).ticks().count() >= 1, "{low} to {high}");
+        }
     }
 
     proptest! {
