@@ -79,6 +79,10 @@ pub enum PolicyArg {
     Greedy,
     /// Flies to the middle of what no neighbour covers.
     Centroid,
+    /// Values every place by what it and its neighbours see now, and flies to the best.
+    Planner,
+    /// The same with memory, told from UAV to UAV.
+    Remembering,
     /// Flies to the best static sites, all PoIs known (central).
     Oracle,
     /// Starts at the best static sites (central).

@@ -5,7 +5,7 @@ use crate::float_actor::{FloatActor, FloatPolicy, argmax};
 use crate::net::{ActorTensors, actor_logits};
 use crate::settings::law_name;
 use crate::train::floats;
-use covey_env::baselines::{Centroid, Greedy, Hover, Random};
+use covey_env::baselines::{Centroid, Greedy, Hover, Planner, Random, RememberingPlanner};
 use covey_env::oracles::{FlyToSites, evaluate_parked};
 use covey_env::{ActorPolicy, Evaluation, Policy, Scenario, ScenarioError, World, evaluate};
 use firmware_core::action::Action;
@@ -130,6 +130,8 @@ impl PolicyArg {
             Self::Hover => "hover",
             Self::Greedy => "greedy",
             Self::Centroid => "centroid",
+            Self::Planner => "planner",
+            Self::Remembering => "remembering",
             Self::Oracle => "oracle",
             Self::Parked => "parked",
         }
@@ -181,6 +183,8 @@ impl Subject<'_> {
             Self::Written(PolicyArg::Random) => Box::new(Random::new(trial.seed, index)),
             Self::Written(PolicyArg::Greedy) => Box::new(Greedy::new()),
             Self::Written(PolicyArg::Centroid) => Box::new(Centroid::new(trial.seed, index)),
+            Self::Written(PolicyArg::Planner) => Box::new(Planner::new()),
+            Self::Written(PolicyArg::Remembering) => Box::new(RememberingPlanner::new()),
             Self::Written(PolicyArg::Oracle) => Box::new(FlyToSites::new()),
             Self::Written(PolicyArg::Hover | PolicyArg::Parked) | Self::Float(_) => Box::new(Hover),
         }

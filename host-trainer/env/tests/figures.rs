@@ -1,7 +1,7 @@
 //! Baselines and oracles against the scenario's reference figures, on fewer worlds.
 //! The full check is the example `reference`.
 
-use covey_env::baselines::{Centroid, Greedy, Hover, Random};
+use covey_env::baselines::{Centroid, Greedy, Hover, Planner, Random, RememberingPlanner};
 use covey_env::oracles::{FlyToSites, evaluate_parked};
 use covey_env::{Evaluation, Law, Scenario, evaluate};
 
@@ -58,6 +58,19 @@ fn centroid() {
     assert_energy(&e, 0.69);
     assert_reward(&e, 510.0);
     assert_coverage(&evaluate(&scenario(Law::Uniform), SEED, WORLDS, |i| Centroid::new(1, i)).unwrap(), 0.349);
+}
+
+#[test]
+fn planners() {
+    for (law, alone, remembering) in [(Law::Clustered, 0.60, 0.665), (Law::Uniform, 0.405, 0.451)] {
+        let e = evaluate(&scenario(law), SEED, WORLDS, |_| Planner::new()).unwrap();
+        assert_coverage(&e, alone);
+        if law == Law::Clustered {
+            assert_reward(&e, 563.0);
+        }
+        let e = evaluate(&scenario(law), SEED, WORLDS / 4, |_| RememberingPlanner::new()).unwrap();
+        assert_coverage(&e, remembering);
+    }
 }
 
 #[test]
