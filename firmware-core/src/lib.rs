@@ -15,6 +15,7 @@
 
 pub mod action;
 pub mod actor;
+pub mod gate;
 pub mod geometry;
 pub mod kernel;
 pub mod link;
