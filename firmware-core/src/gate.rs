@@ -135,9 +135,9 @@ impl Gate {
             self.monitor = Monitor::new();
             self.sent = None;
         }
-        let now = self.clock.now_ms().unwrap_or(0);
-        let heard = self.clock.now_ms().is_some();
-        if heard {
+        self.obey(inputs.operator);
+        let now = self.clock.now_ms(inputs.wall_ms, &self.limits);
+        if let Some(now) = now {
             self.monitor.update(&Tick {
                 inputs,
                 now_ms: now,
@@ -147,14 +147,14 @@ impl Gate {
                 fence: &self.fence,
             });
         }
-        self.obey(inputs.operator);
         // After the operator's request, which cannot have meant another vehicle.
         match passage {
             Passage::Steady => {}
             Passage::Back => self.let_go(Reason::VehicleRestarted),
             Passage::Ahead => self.let_go(Reason::ClockJumped),
         }
-        let verdict = if heard { self.judge(inputs, now) } else { self.unheard() };
+        let verdict = now.map_or(self.unheard(), |now| self.judge(inputs, now));
+        let now = now.unwrap_or(0);
         self.sent = match verdict.setpoint() {
             Some(setpoint) => Some((setpoint, now)),
             None => self.sent.filter(|(_, then)| age_ms(now, *then) <= STREAM_GAP_MS),
@@ -229,7 +229,7 @@ impl Gate {
             _ if was_guided && other => Some(Reason::ModeLeft),
             _ if was_armed && !inputs.armed => Some(Reason::Disarmed),
             Phase::Flight if self.monitor.landed() => Some(Reason::Landed),
-            Phase::BringUp if phase_ms > self.limits.bring_up_ms => Some(Reason::BringUpExpired),
+            Phase::BringUp if phase_ms >= self.limits.bring_up_ms => Some(Reason::BringUpExpired),
             _ => None,
         }
     }

@@ -50,9 +50,10 @@ impl VehicleClock {
         passage
     }
 
-    /// The vehicle's time, which never goes back by a little; nothing before the first.
-    pub const fn now_ms(&self) -> Option<u32> {
-        self.now_ms
+    /// The vehicle's time; nothing before the first. In real time it is taken to go on while nothing is heard.
+    pub fn now_ms(&self, wall_ms: u32, limits: &Limits) -> Option<u32> {
+        let silence_ms = if limits.real_time { self.silence_ms(wall_ms) } else { 0 };
+        self.now_ms.map(|now| now.wrapping_add(silence_ms))
     }
 
     /// For how long the vehicle's clock has stood still, ms of the own computer's.

@@ -202,12 +202,13 @@ impl Reason {
     #[must_use]
     pub const fn deadline_ms(self, limits: &Limits) -> u32 {
         let detection = match self {
+            // What must last is counted from the tick that first sees it.
             Self::Landed | Self::EkfUnhealthy | Self::GpsLost | Self::SourcesDisagree | Self::OutsideAltitude => {
-                limits.confirm_ms
+                limits.confirm_ms + limits.tick_ms
             }
+            Self::BatteryLow => limits.battery_confirm_ms + limits.tick_ms,
+            Self::FenceStuck => limits.fence_stuck_ms + limits.tick_ms,
             Self::BringUpExpired => limits.bring_up_ms,
-            Self::BatteryLow => limits.battery_confirm_ms,
-            Self::FenceStuck => limits.fence_stuck_ms,
             Self::LinkLost => limits.link_wall_ms,
             Self::HeartbeatLost => limits.heartbeat_ms,
             Self::StateStale => limits.stale_ms,

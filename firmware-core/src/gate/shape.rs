@@ -35,9 +35,10 @@ pub(super) fn shape(wanted: Wanted, from: From, state: &Measured, bounds: &Bound
     let capped = wanted.velocity.shortened_to(limits.max_speed_mm_s);
     limited.speed = capped != wanted.velocity;
     let goal = bounds.clip(capped);
-    limited.fence = goal != capped;
 
-    let start = bounds.clip(from.velocity.shortened_to(limits.max_speed_mm_s));
+    let going_on = from.velocity.shortened_to(limits.max_speed_mm_s);
+    let start = bounds.clip(going_on);
+    limited.fence = goal != capped || start != going_on;
     let change = u64::from(limits.max_acceleration_mm_s2) * u64::from(from.passed_ms.min(1000)) / 1000;
     let change = u32::try_from(change).unwrap_or(u32::MAX).saturating_add(ROUNDING_MM_S);
     let velocity = nearest(start, goal, from.velocity, change);

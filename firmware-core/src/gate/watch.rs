@@ -1,5 +1,7 @@
 //! A condition that counts only once it has lasted, both ways.
 
+use super::clock::age_ms;
+
 /// Raised when its condition has held for a while; cleared when it has not held for a while.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Watch {
@@ -19,7 +21,7 @@ impl Watch {
             self.turning_ms = None;
         } else {
             let since = *self.turning_ms.get_or_insert(now_ms);
-            if now_ms.wrapping_sub(since) >= if holds { confirm_ms } else { clear_ms } {
+            if age_ms(now_ms, since) >= if holds { confirm_ms } else { clear_ms } {
                 *self = Self { raised: holds, turning_ms: None };
             }
         }
