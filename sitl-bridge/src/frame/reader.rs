@@ -1,0 +1,184 @@
+//! Finding frames in what arrives.
+//!
+//! Bytes are only stepped over as a frame when their checksum holds. Whatever else looks like a
+//! beginning is given up one byte at a time, so a flipped length or a magic byte inside garbage
+//! never costs the valid frame behind it.
+
+use super::{
+    CHECKSUM, Counts, FLAG_SIGNED, Frame, HEADER_V1, HEADER_V2, MAGIC_V1, MAGIC_V2, MAX_LEN, Rejected, SIGNATURE,
+    checksum, crc_extra,
+};
+
+/// How bytes arrive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// In datagrams: no frame goes on in the next one.
+    Datagrams,
+    /// In a stream (TCP, serial): frames are cut anywhere.
+    Stream,
+}
+
+/// Finds the frames in what one link receives.
+///
+/// Push what arrived, then take frames until there are none. On datagram links, one reader
+/// serves all senders.
+#[derive(Clone, Debug)]
+pub struct Reader {
+    source: Source,
+    buffer: Vec<u8>,
+    /// Bytes of `buffer` done with.
+    at: usize,
+    /// Bytes of `buffer` that a count already stands for.
+    counted: usize,
+    counts: Counts,
+}
+
+/// Why no frame begins at a byte.
+enum NoFrame {
+    /// There may be one when more bytes are there.
+    Short,
+    /// There is none; the candidate would have had this length.
+    Not(Rejected, usize),
+}
+
+impl Reader {
+    /// A reader with nothing read yet.
+    #[must_use]
+    pub const fn new(source: Source) -> Self {
+        Self { source, buffer: Vec::new(), at: 0, counted: 0, counts: Counts::new() }
+    }
+
+    /// Adds a datagram, or the next piece of the stream.
+    ///
+    /// On a datagram link this drops what was not taken of the last datagram.
+    pub fn push(&mut self, bytes: &[u8]) {
+        match self.source {
+            Source::Datagrams => self.buffer.clear(),
+            Source::Stream => drop(self.buffer.drain(..self.at)),
+        }
+        self.counted = match self.source {
+            Source::Datagrams => 0,
+            Source::Stream => self.counted.saturating_sub(self.at),
+        };
+        self.at = 0;
+        self.buffer.extend_from_slice(bytes);
+    }
+
+    /// Forgets a frame begun in a stream that was cut off, as after a reconnection.
+    pub fn reset(&mut self) {
+        self.buffer.clear();
+        (self.at, self.counted) = (0, 0);
+    }
+
+    /// The next frame, in the order of arrival.
+    pub fn next_frame(&mut self) -> Option<Frame> {
+        while self.at < self.buffer.len() {
+            let rest = &self.buffer[self.at..];
+            let garbage = rest.iter().position(|b| matches!(b, &MAGIC_V1 | &MAGIC_V2)).unwrap_or(rest.len());
+            if garbage > 0 {
+                self.blame(Rejected::Garbage, garbage);
+                self.at += garbage;
+                continue;
+            }
+            match parse(rest) {
+                Ok(frame) if frame.checked => {
+                    self.at += frame.len;
+                    self.counted = self.at;
+                    return Some(frame);
+                }
+                Ok(frame) => match hidden(rest, frame.len, self.source) {
+                    Hidden::None => {
+                        self.at += frame.len;
+                        self.counted = self.at;
+                        self.counts.count(Rejected::UnknownMessage);
+                        return Some(frame);
+                    }
+                    Hidden::Perhaps => return None,
+                    Hidden::Frame(at) => {
+                        self.blame(Rejected::Garbage, at);
+                        self.at += at;
+                    }
+                },
+                Err(NoFrame::Short) if self.source == Source::Stream => return None,
+                Err(NoFrame::Short) => {
+                    self.blame(Rejected::Truncated, rest.len());
+                    self.at += 1;
+                }
+                Err(NoFrame::Not(reason, len)) => {
+                    self.blame(reason, len);
+                    self.at += 1;
+                }
+            }
+        }
+        None
+    }
+
+    /// What was met that is no frame, and frames of unknown messages.
+    #[must_use]
+    pub const fn counts(&self) -> &Counts {
+        &self.counts
+    }
+
+    /// Counts the next `len` bytes as one case of this, unless one count stands for the first
+    /// of them already.
+    fn blame(&mut self, reason: Rejected, len: usize) {
+        let end = self.at + len;
+        let fresh = match reason {
+            // A run of garbage may go on behind what was counted before.
+            Rejected::Garbage => end > self.counted,
+            _ => self.at >= self.counted,
+        };
+        if fresh {
+            self.counts.count(reason);
+            self.counted = end;
+        }
+    }
+}
+
+/// What lies inside a frame whose checksum cannot be known.
+enum Hidden {
+    /// No valid frame.
+    None,
+    /// Perhaps one, when more bytes are there.
+    Perhaps,
+    /// A valid frame, this many bytes behind its beginning: the outer one was none.
+    Frame(usize),
+}
+
+fn hidden(bytes: &[u8], len: usize, source: Source) -> Hidden {
+    for at in 1..len {
+        match parse(&bytes[at..]) {
+            Ok(frame) if frame.checked => return Hidden::Frame(at),
+            Err(NoFrame::Short) if source == Source::Stream => return Hidden::Perhaps,
+            _ => {}
+        }
+    }
+    Hidden::None
+}
+
+/// The frame at the beginning of `bytes`.
+fn parse(bytes: &[u8]) -> Result<Frame, NoFrame> {
+    let (header, signature) = match *bytes {
+        [MAGIC_V1, ..] => (HEADER_V1, 0),
+        [MAGIC_V2, _, flags, ..] if flags & !FLAG_SIGNED != 0 => {
+            return Err(NoFrame::Not(Rejected::UnknownFlags, HEADER_V2));
+        }
+        [MAGIC_V2, _, FLAG_SIGNED, ..] => (HEADER_V2, SIGNATURE),
+        [MAGIC_V2, ..] => (HEADER_V2, 0),
+        _ => return Err(NoFrame::Not(Rejected::Garbage, 1)),
+    };
+    let payload = usize::from(*bytes.get(1).ok_or(NoFrame::Short)?);
+    let end = header + payload;
+    let len = end + CHECKSUM + signature;
+    let whole = bytes.get(..len).ok_or(NoFrame::Short)?;
+    let mut frame = Frame { bytes: [0; MAX_LEN], len, checked: false };
+    frame.bytes[..len].copy_from_slice(whole);
+    if let Some(extra) = crc_extra(frame.message_id()) {
+        let sum = u16::from_le_bytes([whole[end], whole[end + 1]]);
+        if checksum::checksum(&whole[1..end], extra) != sum {
+            return Err(NoFrame::Not(Rejected::BadChecksum, len));
+        }
+        frame.checked = true;
+    }
+    Ok(frame)
+}

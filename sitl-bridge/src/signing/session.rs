@@ -1,0 +1,195 @@
+//! Signing what is sent, and deciding what is believed.
+
+use super::{Key, StateFile, StateFileError, Timestamp};
+use crate::frame::{Frame, Rejected};
+use std::collections::HashMap;
+use std::time::Duration;
+use thiserror::Error;
+
+/// RADIO_STATUS: telemetry radios put it between the frames of others and have no key.
+const RADIO_STATUS: u32 = 109;
+/// How much older than our clock the first frame of a stream may be (MAVLink's rule).
+const FIRST_SEEN: Duration = Duration::from_secs(60);
+
+/// What happens to frames without a signature on a link that has a key.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Unsigned {
+    /// They are refused, but for RADIO_STATUS.
+    #[default]
+    Refuse,
+    /// They are taken like signed ones. Wrong signatures are still refused.
+    Accept,
+}
+
+/// How one link of a node is signed.
+#[derive(Clone, Debug)]
+pub struct LinkSigning {
+    key: Option<Key>,
+    link_id: u8,
+    unsigned: Unsigned,
+}
+
+/// Why a frame was not signed.
+#[derive(Debug, Error)]
+pub enum SigningError {
+    /// MAVLink 1 has no signatures.
+    #[error("this link has a signing key, and MAVLink 1 has no signatures: send MAVLink 2")]
+    NeedsVersion2,
+    /// The frame has one.
+    #[error("the frame is signed already")]
+    AlreadySigned,
+}
+
+impl LinkSigning {
+    /// A link without a key: nothing is signed, everything is taken.
+    #[must_use]
+    pub const fn off() -> Self {
+        Self { key: None, link_id: 0, unsigned: Unsigned::Accept }
+    }
+
+    /// A link with a key. `link_id` tells the node's links apart and goes into each signature.
+    #[must_use]
+    pub const fn new(key: Key, link_id: u8, unsigned: Unsigned) -> Self {
+        Self { key: Some(key), link_id, unsigned }
+    }
+
+    /// Whether frames are signed.
+    #[must_use]
+    pub const fn is_on(&self) -> bool {
+        self.key.is_some()
+    }
+}
+
+/// The clock and the memory behind a node's signatures. All links of the node share it.
+///
+/// The timestamps it issues never repeat and never go back, whatever the system's clock does,
+/// and with a [`StateFile`] not over a restart either.
+#[derive(Debug, Default)]
+pub struct Session {
+    /// The newest accepted timestamp of each (system, component, link id).
+    streams: HashMap<(u8, u8, u8), Timestamp>,
+    /// The last time we were told.
+    told: Timestamp,
+    /// Our time is what we are told and this much more: what the clock once jumped back, and
+    /// what others were ahead.
+    ahead: Duration,
+    /// No timestamp up to here is issued (any more).
+    issued: Timestamp,
+    state: Option<StateFile>,
+}
+
+impl Session {
+    /// A session that forgets its time when it ends. After a restart others refuse its frames
+    /// until the system's clock is later than before.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// A session that goes on where the last one with this file ended.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn with_state(mut state: StateFile, now: Timestamp) -> Result<Self, StateFileError> {
+        let mut session = Self::new();
+        session.issued = state.reserved();
+        session.learn(state.time(), now);
+        let time = session.time(now);
+        state.reserve(time, time.max(session.issued.next()))?;
+        session.state = Some(state);
+        Ok(session)
+    }
+
+    /// What goes out on this link for `frame`: the frame with a signature, or, on a link without
+    /// a key, the frame.
+    ///
+    /// # Errors
+    /// See [`SigningError`].
+    pub fn seal(&mut self, link: &LinkSigning, frame: Frame, now: Timestamp) -> Result<Frame, SigningError> {
+        let Some(key) = &link.key else { return Ok(frame) };
+        if frame.is_signed() {
+            return Err(SigningError::AlreadySigned);
+        }
+        let timestamp = self.issue(now);
+        let sign = |signed: &[u8]| {
+            let mut signature = [0; crate::frame::SIGNATURE];
+            signature[0] = link.link_id;
+            signature[1..7].copy_from_slice(&timestamp.ticks().to_le_bytes()[..6]);
+            let code = key.code(signed, &signature[..7]);
+            signature[7..].copy_from_slice(&code);
+            signature
+        };
+        frame.signed_with(sign).ok_or(SigningError::NeedsVersion2)
+    }
+
+    /// Whether a frame that arrived on this link may be believed.
+    ///
+    /// The frame's checksum must hold or be unknown; [`crate::frame::Reader`] hands out no
+    /// others.
+    ///
+    /// # Errors
+    /// [`Rejected::Unsigned`], [`Rejected::WrongKey`], [`Rejected::Replayed`] or
+    /// [`Rejected::OldTimestamp`].
+    pub fn check(&mut self, link: &LinkSigning, frame: &Frame, now: Timestamp) -> Result<(), Rejected> {
+        let Some(key) = &link.key else { return Ok(()) };
+        let Some(signature) = frame.signature() else {
+            let exempt = link.unsigned == Unsigned::Accept || frame.message_id() == RADIO_STATUS;
+            return if exempt { Ok(()) } else { Err(Rejected::Unsigned) };
+        };
+        // Only after the code is anything else believed, so that a forger cannot fill the table.
+        let link_and_time = frame.signature_bytes().map_or(&[][..], |bytes| &bytes[..7]);
+        if !key.is_code(signature.code, frame.signed_part(), link_and_time) {
+            return Err(Rejected::WrongKey);
+        }
+        let stream = (frame.system(), frame.component(), signature.link_id);
+        let oldest = self.time(now).before(FIRST_SEEN);
+        match self.streams.get(&stream) {
+            Some(&newest) if signature.timestamp <= newest => return Err(Rejected::Replayed),
+            None if signature.timestamp < oldest => return Err(Rejected::OldTimestamp),
+            _ => {}
+        }
+        self.streams.insert(stream, signature.timestamp);
+        self.learn(signature.timestamp, now);
+        Ok(())
+    }
+
+    /// Whether the state file could not be written lately: after a restart others may refuse
+    /// our frames for a while.
+    #[must_use]
+    pub fn state_error(&self) -> Option<String> {
+        self.state.as_ref().and_then(StateFile::error)
+    }
+
+    /// A timestamp later than all issued before.
+    fn issue(&mut self, now: Timestamp) -> Timestamp {
+        let time = self.time(now);
+        self.issued = time.max(self.issued.next());
+        if let Some(state) = &mut self.state {
+            state.keep_ahead_of(time, self.issued);
+        }
+        self.issued
+    }
+
+    /// Our time. It advances with what we are told, and does not go back with it.
+    fn time(&mut self, now: Timestamp) -> Timestamp {
+        self.ahead += self.told.since(now);
+        self.told = now;
+        now.after(self.ahead)
+    }
+
+    /// Others who have the key are that far: so must we be, or they would refuse us as old.
+    fn learn(&mut self, theirs: Timestamp, now: Timestamp) {
+        let ours = self.time(now);
+        self.ahead += theirs.since(ours);
+    }
+}
+
+/// What was reserved and not used is given back, so that a session that ends in order leaves no
+/// gap behind.
+impl Drop for Session {
+    fn drop(&mut self) {
+        if let Some(state) = &mut self.state {
+            state.close(self.told.after(self.ahead), self.issued);
+        }
+    }
+}

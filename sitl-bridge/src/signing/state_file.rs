@@ -1,0 +1,195 @@
+//! Timestamps that survive a restart.
+//!
+//! The file says up to when timestamps may have been issued. It is written ahead, a block of
+//! time at once, so that signing itself never waits for a disk; whoever starts from it begins
+//! behind the whole block.
+
+use super::Timestamp;
+use std::fs::{self, File, TryLockError};
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+use thiserror::Error;
+
+/// The block of time that is reserved at once.
+const BLOCK: Duration = Duration::from_secs(60);
+/// The next block is reserved when less than this is left.
+const MARGIN: Duration = Duration::from_secs(30);
+/// The first line; times follow in units of 10 µs since 2015.
+const HEAD: &str = "covey signing state 1";
+
+/// Why a state file cannot be used.
+#[derive(Debug, Error)]
+pub enum StateFileError {
+    /// It cannot be read.
+    #[error("cannot read the signing state {}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's word.
+        source: io::Error,
+    },
+    /// It cannot be written, so a restart would repeat timestamps.
+    #[error("cannot write the signing state {}: name a file in a folder that this user may write", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's word.
+        source: io::Error,
+    },
+    /// It is not what was written.
+    #[error(
+        "{} is no signing state: delete it once the system's clock is right and later than at the last flight",
+        .0.display()
+    )]
+    Damaged(PathBuf),
+    /// Another process has it.
+    #[error("the signing state {} is in use by another process: give every node its own", .0.display())]
+    InUse(PathBuf),
+}
+
+/// A file that keeps a [`super::Session`]'s time.
+#[derive(Debug)]
+pub struct StateFile {
+    path: PathBuf,
+    /// Held for as long as this lives: one process for a file.
+    _lock: File,
+    shared: Arc<Mutex<Shared>>,
+    writer: Option<JoinHandle<()>>,
+}
+
+/// What the file says.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Saved {
+    /// The session's time when it was written.
+    time: Timestamp,
+    /// Timestamps up to here may have been issued.
+    reserved: Timestamp,
+}
+
+#[derive(Debug)]
+struct Shared {
+    saved: Saved,
+    error: Option<String>,
+}
+
+impl StateFile {
+    /// Opens the file, which need not exist yet, and takes it for this process.
+    ///
+    /// # Errors
+    /// See [`StateFileError`].
+    pub fn open(path: &Path) -> Result<Self, StateFileError> {
+        let write = |source| StateFileError::Write { path: path.into(), source };
+        let lock = File::options().create(true).append(true).open(beside(path, "lock")).map_err(write)?;
+        match lock.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Err(StateFileError::InUse(path.into())),
+            Err(TryLockError::Error(source)) => return Err(write(source)),
+        }
+        let saved = match fs::read_to_string(path) {
+            Ok(text) => parse(&text).ok_or_else(|| StateFileError::Damaged(path.into()))?,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Saved::default(),
+            Err(error) if error.kind() == io::ErrorKind::InvalidData => {
+                return Err(StateFileError::Damaged(path.into()));
+            }
+            Err(source) => return Err(StateFileError::Read { path: path.into(), source }),
+        };
+        let shared = Arc::new(Mutex::new(Shared { saved, error: None }));
+        Ok(Self { path: path.into(), _lock: lock, shared, writer: None })
+    }
+
+    /// Timestamps up to here may have been issued before.
+    pub(super) fn reserved(&self) -> Timestamp {
+        lock(&self.shared).saved.reserved
+    }
+
+    /// It is later than that now.
+    pub(super) fn time(&self) -> Timestamp {
+        lock(&self.shared).saved.time
+    }
+
+    /// Reserves the block that begins at `next`, and waits until it is on the disk.
+    pub(super) fn reserve(&mut self, time: Timestamp, next: Timestamp) -> Result<(), StateFileError> {
+        let saved = Saved { time, reserved: next.after(BLOCK) };
+        write(&self.path, saved).map_err(|source| StateFileError::Write { path: self.path.clone(), source })?;
+        lock(&self.shared).saved = saved;
+        Ok(())
+    }
+
+    /// Reserves the next block in the background when `issued` comes near the end of this one.
+    ///
+    /// A disk that fails in flight does not stop the flight: it is remembered as an error, and
+    /// tried again with the next timestamp.
+    pub(super) fn keep_ahead_of(&mut self, time: Timestamp, issued: Timestamp) {
+        if self.reserved() >= issued.after(MARGIN) || self.writer.as_ref().is_some_and(|w| !w.is_finished()) {
+            return;
+        }
+        let (path, shared) = (self.path.clone(), Arc::clone(&self.shared));
+        let saved = Saved { time, reserved: issued.after(BLOCK) };
+        let job = move || {
+            let written = write(&path, saved);
+            let mut shared = lock(&shared);
+            match written {
+                Ok(()) => *shared = Shared { saved, error: None },
+                Err(error) => {
+                    shared.error = Some(format!("cannot write the signing state {}: {error}", path.display()))
+                }
+            }
+        };
+        match thread::Builder::new().name("signing-state".into()).spawn(job) {
+            Ok(writer) => self.writer = Some(writer),
+            Err(error) => lock(&self.shared).error = Some(format!("cannot keep the signing state: {error}")),
+        }
+    }
+
+    /// Writes down what was really used.
+    pub(super) fn close(&mut self, time: Timestamp, issued: Timestamp) {
+        if let Some(writer) = self.writer.take() {
+            // It has nothing to hand over, and if it panicked, the block it had reserved stands.
+            drop(writer.join());
+        }
+        // When this fails, the block that was reserved stands: the next session begins behind it.
+        drop(write(&self.path, Saved { time, reserved: issued }));
+    }
+
+    /// What went wrong with the last block.
+    pub(super) fn error(&self) -> Option<String> {
+        lock(&self.shared).error.clone()
+    }
+}
+
+fn lock(shared: &Mutex<Shared>) -> std::sync::MutexGuard<'_, Shared> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Replaces the file as a whole: a crash leaves the old one or the new one.
+fn write(path: &Path, saved: Saved) -> io::Result<()> {
+    let fresh = beside(path, "new");
+    let mut file = File::create(&fresh)?;
+    let (time, reserved) = (saved.time.ticks(), saved.reserved.ticks());
+    write!(file, "{HEAD}\ntime {time}\nreserved {reserved}\n")?;
+    file.sync_all()?;
+    fs::rename(&fresh, path)?;
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    File::open(folder)?.sync_all()
+}
+
+fn parse(text: &str) -> Option<Saved> {
+    let mut lines = text.strip_prefix(HEAD)?.strip_prefix('\n')?.split_inclusive('\n');
+    let mut field = |name: &str| {
+        let ticks = lines.next()?.strip_suffix('\n')?.strip_prefix(name)?.parse().ok()?;
+        let time = Timestamp::from_ticks(ticks);
+        (time.ticks() == ticks).then_some(time)
+    };
+    let (time, reserved) = (field("time ")?, field("reserved ")?);
+    lines.next().is_none().then_some(Saved { time, reserved })
+}
+
+fn beside(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".");
+    name.push(suffix);
+    name.into()
+}
