@@ -11,6 +11,7 @@ mod rejected;
 
 pub use checksum::crc_extra;
 pub use encoder::{EncodeError, Encoder};
+pub(crate) use reader::{NoFrame, parse};
 pub use reader::{Reader, Source};
 pub use rejected::{Counts, Rejected};
 

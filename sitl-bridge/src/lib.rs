@@ -7,5 +7,8 @@
 //! times, and says what to send.
 #![forbid(unsafe_code)]
 
+pub mod connection;
 pub mod frame;
 pub mod signing;
+pub mod swarm_link;
+pub mod tlog;

@@ -34,7 +34,7 @@ pub struct Reader {
 }
 
 /// Why no frame begins at a byte.
-enum NoFrame {
+pub(crate) enum NoFrame {
     /// There may be one when more bytes are there.
     Short,
     /// There is none; the candidate would have had this length.
@@ -157,7 +157,7 @@ fn hidden(bytes: &[u8], len: usize, source: Source) -> Hidden {
 }
 
 /// The frame at the beginning of `bytes`.
-fn parse(bytes: &[u8]) -> Result<Frame, NoFrame> {
+pub(crate) fn parse(bytes: &[u8]) -> Result<Frame, NoFrame> {
     let (header, signature) = match *bytes {
         [MAGIC_V1, ..] => (HEADER_V1, 0),
         [MAGIC_V2, _, flags, ..] if flags & !FLAG_SIGNED != 0 => {

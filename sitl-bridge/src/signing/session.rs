@@ -160,6 +160,13 @@ impl Session {
         self.state.as_ref().and_then(StateFile::error)
     }
 
+    /// The last timestamp issued, or, before that, the last that may have been issued by the
+    /// session before.
+    #[must_use]
+    pub const fn last_issued(&self) -> Timestamp {
+        self.issued
+    }
+
     /// A timestamp later than all issued before.
     fn issue(&mut self, now: Timestamp) -> Timestamp {
         let time = self.time(now);

@@ -1,0 +1,16 @@
+//! Recordings of MAVLink traffic that QGroundControl, MAVProxy and pymavlink read.
+//!
+//! A tlog is a row of records, each the time of arrival or sending (microseconds since 1970,
+//! eight bytes, the highest first) and one frame as it was on the wire. There is no head and no
+//! index. SETUP_SIGNING is never recorded: it holds a key.
+
+mod reader;
+mod writer;
+
+pub use reader::{Record, TlogReader};
+pub use writer::TlogWriter;
+
+/// Length of a record's time, bytes.
+const TIME: usize = 8;
+/// SETUP_SIGNING, the message that hands over a key.
+const SETUP_SIGNING: u32 = 256;
