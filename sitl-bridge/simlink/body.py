@@ -1,0 +1,121 @@
+"""How a multicopter moves: a point mass with limits, a lag and drag.
+
+The numbers are set so that the point mass does what a simulated ArduCopter was measured
+to do: from rest to 4.8 m/s in 3 s on a velocity of 5 m/s, and 0.75 m short of constant acceleration
+at 2.5 m/s² after 2 s.
+"""
+
+import math
+
+ACCELERATION_LIMIT = 2.5
+"""Horizontal, m/s² (ArduPilot's WPNAV_ACCEL)."""
+VERTICAL_ACCELERATION_LIMIT = 2.5
+ATTITUDE_LAG_S = 0.15
+"""The lean that makes an acceleration takes this long."""
+DRAG_PER_S = 0.05
+"""Of the speed through the air."""
+VELOCITY_GAIN_PER_S = 1.5
+INTEGRAL_GAIN_PER_S2 = 0.5
+INTEGRAL_LIMIT = 2.0
+"""m/s²; wind that drags harder than this carries the vehicle away."""
+GRAVITY = 9.81
+LONGEST_SLICE_S = 0.05
+
+
+class Body:
+    """Position (m east, north, up of the origin), velocity (m/s) and what is felt of wind."""
+
+    __slots__ = (
+        "_integral_e", "_integral_n", "acceleration_e", "acceleration_n", "east", "flown_m", "north",
+        "ground", "up", "ve", "vn", "vu", "wind_e", "wind_n",
+    )  # fmt: skip
+
+    def __init__(self, east: float, north: float, up: float, wind: tuple[float, float] = (0.0, 0.0)) -> None:
+        self.east, self.north, self.up = east, north, up
+        self.ground = up
+        self.wind_e, self.wind_n = wind
+        self.flown_m = 0.0
+        self.rest()
+
+    def rest(self) -> None:
+        """Stops at once."""
+        self.vu = 0.0
+        self.rest_horizontally()
+
+    def rest_horizontally(self) -> None:
+        """Stops at once over the ground."""
+        self.ve = self.vn = 0.0
+        self.acceleration_e = self.acceleration_n = 0.0
+        self._integral_e = self._integral_n = 0.0
+
+    @property
+    def speed(self) -> float:
+        """Over ground, m/s."""
+        return math.hypot(self.ve, self.vn)
+
+    @property
+    def height_m(self) -> float:
+        """Above the ground it started from."""
+        return self.up - self.ground
+
+    def follow(self, dt: float, ve: float, vn: float, vu: float, ff_e: float = 0.0, ff_n: float = 0.0) -> None:
+        """Tracks a velocity (m/s) with an acceleration known beforehand (m/s²)."""
+        error_e, error_n = ve - self.ve, vn - self.vn
+        want_e = ff_e + VELOCITY_GAIN_PER_S * error_e + self._integral_e
+        want_n = ff_n + VELOCITY_GAIN_PER_S * error_n + self._integral_n
+        want = math.hypot(want_e, want_n)
+        if want > ACCELERATION_LIMIT:
+            want_e *= ACCELERATION_LIMIT / want
+            want_n *= ACCELERATION_LIMIT / want
+        else:  # an integral that grows while the limit holds would overshoot
+            self._integral_e = _clamp(self._integral_e + INTEGRAL_GAIN_PER_S2 * error_e * dt, INTEGRAL_LIMIT)
+            self._integral_n = _clamp(self._integral_n + INTEGRAL_GAIN_PER_S2 * error_n * dt, INTEGRAL_LIMIT)
+        self._move(dt, want_e, want_n, self._climb(dt, vu))
+
+    def push(self, dt: float, acceleration_e: float, acceleration_n: float, acceleration_u: float) -> None:
+        """Only accelerates: nothing holds a velocity or an altitude, and nothing caps the speed."""
+        size = math.hypot(acceleration_e, acceleration_n)
+        shorter = min(1.0, ACCELERATION_LIMIT / size) if size else 1.0
+        self._move(dt, acceleration_e * shorter, acceleration_n * shorter, acceleration_u)
+
+    def drift(self, dt: float) -> None:
+        """Level and at its altitude, but nobody holds the position."""
+        self._move(dt, 0.0, 0.0, self._climb(dt, 0.0))
+
+    def fall(self, dt: float) -> None:
+        """Motors off in the air."""
+        self._move(dt, 0.0, 0.0, -GRAVITY)
+
+    def climb(self, dt: float, vu: float) -> None:
+        """Only climbs, at `vu` m/s; the horizontal state stays as it is."""
+        self.vu += self._climb(dt, vu) * dt
+        self.up += self.vu * dt
+
+    def _climb(self, dt: float, vu: float) -> float:
+        return _clamp((vu - self.vu) / max(dt, 0.3), VERTICAL_ACCELERATION_LIMIT)
+
+    def _move(self, dt: float, want_e: float, want_n: float, acceleration_u: float) -> None:
+        share = 1.0 - math.exp(-dt / ATTITUDE_LAG_S)
+        self.acceleration_e += (want_e - self.acceleration_e) * share
+        self.acceleration_n += (want_n - self.acceleration_n) * share
+        east = self.acceleration_e - DRAG_PER_S * (self.ve - self.wind_e)
+        north = self.acceleration_n - DRAG_PER_S * (self.vn - self.wind_n)
+        step_e = (self.ve + 0.5 * east * dt) * dt
+        step_n = (self.vn + 0.5 * north * dt) * dt
+        self.east += step_e
+        self.north += step_n
+        self.flown_m += math.hypot(step_e, step_n)
+        self.ve += east * dt
+        self.vn += north * dt
+        self.up += (self.vu + 0.5 * acceleration_u * dt) * dt
+        self.vu += acceleration_u * dt
+
+
+def slices(dt: float) -> tuple[int, float]:
+    """How many equal slices of at most LONGEST_SLICE_S make `dt` seconds, and how long each is."""
+    count = max(1, math.ceil(dt / LONGEST_SLICE_S - 1e-9))
+    return count, dt / count
+
+
+def _clamp(value: float, limit: float) -> float:
+    return limit if value > limit else -limit if value < -limit else value

@@ -1,0 +1,185 @@
+"""All vehicles and the clock that moves them."""
+
+import logging
+from collections.abc import Callable
+from typing import Any
+
+from simlink.config import FleetConfig
+from simlink.control import Control
+from simlink.hub import CONTROL, Hub
+from simlink.vehicle import Vehicle
+
+logger = logging.getLogger(__name__)
+
+CONTROLLER_LOST_MS = 10_000
+_CATCH_UP_S = 1.0
+
+
+class Fleet:
+    """Moves time on tick by tick: integrates, sends, then waits for setpoints or for the wall clock."""
+
+    def __init__(
+        self, config: FleetConfig, hub: Hub, emit: Callable[..., None], key: bytes | None = None,
+        on_tick: Callable[["Fleet"], None] | None = None,
+    ) -> None:  # fmt: skip
+        self.config = config
+        self.t_ms = 0
+        self.speed = config.speed
+        self.vehicles = [Vehicle(vehicle, config, key, self.report) for vehicle in config.vehicles]
+        self._by_id = {vehicle.config.id: vehicle for vehicle in self.vehicles}
+        self._hub, self._out = hub, emit
+        self._control = Control(self)
+        self._on_tick = on_tick
+        self.stopped = False
+        self.epoch_unix_ms = config.unix_ms if config.epoch_unix_ms is None else config.epoch_unix_ms
+        self._step = self.step
+        self._late: set[Vehicle] = set()
+        self.lockstep_timeouts = 0
+        self._started = self._next_tick = hub.now()
+        self._signing_second = -1
+
+    def report(self, event: str, **fields: Any) -> None:
+        """Writes an event."""
+        self._out(event, t_ms=self.t_ms, **fields)
+
+    def vehicle(self, identity: Any) -> Vehicle | None:
+        """The vehicle of an id."""
+        return self._by_id.get(identity)
+
+    @property
+    def step(self) -> int:
+        """The step of the common clock; negative before the epoch."""
+        return (self.config.unix_ms + self.t_ms - self.epoch_unix_ms) // self.config.scale.step_ms
+
+    def run(self) -> None:
+        """Flies until somebody stops it."""
+        self.report("ready", vehicles=len(self.vehicles))
+        self._truth()
+        while not self.stopped:
+            self.tick()
+            self._wait()
+        self.report("stats", **self.stats())
+
+    def tick(self) -> None:
+        """Lets one tick pass and sends what is due."""
+        self.t_ms += self.config.tick_ms
+        for vehicle in self.vehicles:
+            vehicle.advance(self.t_ms)
+        if self.step != self._step:
+            self._step = self.step
+            for vehicle in self.vehicles:
+                vehicle.step()
+            self._truth()
+        self._refresh_signing_clocks()
+        for index, vehicle in enumerate(self.vehicles):
+            for frame in vehicle.telemetry():
+                self._hub.send(index, frame)
+        if self._on_tick is not None:
+            self._on_tick(self)
+
+    def _truth(self) -> None:
+        if self._step < 0:
+            return
+        scale = self.config.scale
+        positions, velocities = [], []
+        for vehicle in self.vehicles:
+            body, ideal = vehicle.autopilot.body, vehicle.ideal
+            if ideal:
+                positions.append([ideal.x, ideal.y])
+                velocities.append([ideal.vx, ideal.vy])
+            else:
+                positions.append([round(body.east / scale.scale_m, 5), round(body.north / scale.scale_m, 5)])
+                velocities.append([round(scale.velocity_u(body.ve), 5), round(scale.velocity_u(body.vn), 5)])
+        heights = [round(vehicle.autopilot.body.height_m, 2) for vehicle in self.vehicles]
+        modes = [vehicle.autopilot.mode.name for vehicle in self.vehicles]
+        self.report("truth", step=self._step, u=positions, v=velocities, height_m=heights, modes=modes)
+
+    def _refresh_signing_clocks(self) -> None:
+        second = int(self._hub.now())
+        if second != self._signing_second:
+            self._signing_second = second
+            for vehicle in self.vehicles:
+                vehicle.endpoint.refresh_signing_clock()
+
+    # Between two ticks
+
+    def _wait(self) -> None:
+        """Takes what comes in until every streaming vehicle has its setpoint, or the wall clock says go on."""
+        hub, began = self._hub, self._hub.now()
+        waiting = self._waited_for()
+        give_up = began + self.config.lockstep_timeout_s
+        go_on = self._pace(began)
+        first = True
+        while not self.stopped:
+            waiting = {vehicle for vehicle in waiting if vehicle.autopilot.setpoint_ms != self.t_ms}
+            now = hub.now()
+            if waiting and now >= give_up:
+                self._report_late(waiting)
+                waiting = set()
+            until = give_up if waiting else go_on
+            if not first and not waiting and now >= until:
+                break
+            first = False
+            for index, datagram in hub.receive(until - now):
+                self._take(index, datagram)
+
+    def _waited_for(self) -> set[Vehicle]:
+        if not self.config.lockstep:
+            return set()
+        self._late = {vehicle for vehicle in self._late if vehicle.autopilot.setpoint_ms != self.t_ms - self.config.tick_ms}
+        return {
+            vehicle
+            for vehicle in self.vehicles
+            if vehicle.awaits_setpoint and vehicle.autopilot.is_streaming and vehicle not in self._late
+        }
+
+    def _pace(self, now: float) -> float:
+        """When the wall clock lets the next tick begin."""
+        if self.config.lockstep and not any(self._needs_wall_clock(vehicle) for vehicle in self.vehicles):
+            self._next_tick = now
+            return now
+        self._next_tick = max(self._next_tick, now - _CATCH_UP_S) + self.config.tick_ms / 1000.0 / self.speed
+        return self._next_tick
+
+    def _needs_wall_clock(self, vehicle: Vehicle) -> bool:
+        """Nothing else holds a vehicle's clock back while its controller is there and it does not stream."""
+        pilot = vehicle.autopilot
+        if pilot.crashed or (pilot.is_streaming and vehicle not in self._late):
+            return False
+        seen = pilot.controller_seen_ms
+        return seen is None or self.t_ms - seen <= CONTROLLER_LOST_MS
+
+    def _report_late(self, late: set[Vehicle]) -> None:
+        for vehicle in sorted(late, key=lambda vehicle: vehicle.config.id):
+            self.lockstep_timeouts += 1
+            self.report("lockstep_timeout", id=vehicle.config.id)
+            logger.warning("vehicle %d sent no setpoint; no longer waiting for it", vehicle.config.id)
+        self._late |= late
+
+    def _take(self, index: int, datagram: bytes | None) -> None:
+        if index == CONTROL:
+            self._control.take(datagram)
+            return
+        for frame in self.vehicles[index].receive(datagram or b""):
+            self._hub.send(index, frame)
+
+    def stats(self) -> dict[str, Any]:
+        """Figures of the whole flight."""
+        wall_s = self._hub.now() - self._started
+        return {
+            "simulated_s": self.t_ms / 1000.0,
+            "wall_s": round(wall_s, 3),
+            "realtime_factor": round(self.t_ms / 1000.0 / wall_s, 2) if wall_s > 0 else None,
+            "lockstep_timeouts": self.lockstep_timeouts,
+            "vehicles": [
+                {
+                    "id": vehicle.config.id,
+                    "messages": vehicle.endpoint.received,
+                    "damaged": vehicle.endpoint.damaged,
+                    "unauthentic": vehicle.endpoint.unauthentic,
+                    "setpoints": dict(sorted(vehicle.autopilot.counts.items())),
+                    "flown_m": round(vehicle.autopilot.body.flown_m, 1),
+                }
+                for vehicle in self.vehicles
+            ],
+        }

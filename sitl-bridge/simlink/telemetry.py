@@ -1,0 +1,292 @@
+"""The messages an autopilot sends: which, how often, and what stands in them."""
+
+import math
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
+from simlink.geodesy import deg_e7
+from simlink.px4 import Px4
+
+if TYPE_CHECKING:
+    from simlink.vehicle import Vehicle
+
+GLOBAL_POSITION_INT = mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT
+LOCAL_POSITION_NED = mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED
+U32 = 0xFFFF_FFFF
+
+_HEALTH = (
+    mavlink.MAV_SYS_STATUS_SENSOR_3D_GYRO
+    | mavlink.MAV_SYS_STATUS_SENSOR_3D_ACCEL
+    | mavlink.MAV_SYS_STATUS_SENSOR_3D_MAG
+    | mavlink.MAV_SYS_STATUS_SENSOR_ABSOLUTE_PRESSURE
+    | mavlink.MAV_SYS_STATUS_SENSOR_GPS
+    | mavlink.MAV_SYS_STATUS_AHRS
+    | mavlink.MAV_SYS_STATUS_PREARM_CHECK
+    | mavlink.MAV_SYS_STATUS_SENSOR_BATTERY
+)
+_EKF_ALWAYS = mavlink.EKF_ATTITUDE | mavlink.EKF_VELOCITY_VERT | mavlink.EKF_POS_VERT_ABS
+_EKF_POSITION = (
+    mavlink.EKF_VELOCITY_HORIZ
+    | mavlink.EKF_POS_HORIZ_REL
+    | mavlink.EKF_POS_HORIZ_ABS
+    | mavlink.EKF_PRED_POS_HORIZ_REL
+    | mavlink.EKF_PRED_POS_HORIZ_ABS
+)
+_GOOD_VARIANCE, _BAD_VARIANCE = 0.05, 1.3
+_CELLS, _FULL_CELL_V, _EMPTY_CELL_V = 4, 4.2, 3.3
+
+
+def heartbeat(v: "Vehicle") -> mavlink.MAVLink_message:
+    """HEARTBEAT."""
+    pilot = v.autopilot
+    base_mode = mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | mavlink.MAV_MODE_FLAG_STABILIZE_ENABLED
+    if pilot.mode.name == pilot.FOLLOWING:
+        base_mode |= mavlink.MAV_MODE_FLAG_GUIDED_ENABLED
+    if pilot.armed:
+        base_mode |= mavlink.MAV_MODE_FLAG_SAFETY_ARMED
+    if pilot.gcs_failsafe:
+        status = mavlink.MAV_STATE_CRITICAL
+    elif pilot.armed and pilot.airborne:
+        status = mavlink.MAV_STATE_ACTIVE
+    else:
+        status = mavlink.MAV_STATE_STANDBY if pilot.ekf_ready else mavlink.MAV_STATE_CALIBRATING
+    kind = mavlink.MAV_AUTOPILOT_PX4 if isinstance(pilot, Px4) else mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA
+    return mavlink.MAVLink_heartbeat_message(
+        mavlink.MAV_TYPE_QUADROTOR, kind, base_mode, pilot.mode.custom_mode, status, 3
+    )
+
+
+def sys_status(v: "Vehicle") -> mavlink.MAVLink_message:
+    """SYS_STATUS."""
+    health = _HEALTH
+    if not v.autopilot.ekf_ready:
+        health &= ~(mavlink.MAV_SYS_STATUS_AHRS | mavlink.MAV_SYS_STATUS_PREARM_CHECK)
+    if v.autopilot.gps_lost_ms is not None:
+        health &= ~mavlink.MAV_SYS_STATUS_SENSOR_GPS
+    percent = v.battery_percent()
+    return mavlink.MAVLink_sys_status_message(
+        _HEALTH, _HEALTH, health, 300, _battery_mv(percent), 1500, round(percent), 0, 0, 0, 0, 0, 0
+    )
+
+
+def battery_status(v: "Vehicle") -> mavlink.MAVLink_message:
+    """BATTERY_STATUS."""
+    percent = v.battery_percent()
+    cell = _battery_mv(percent) // _CELLS
+    voltages = [cell] * _CELLS + [0xFFFF] * (10 - _CELLS)
+    return mavlink.MAVLink_battery_status_message(0, 0, 1, 2500, voltages, 1500, -1, -1, round(percent))
+
+
+def _battery_mv(percent: float) -> int:
+    return round(1000 * _CELLS * (_EMPTY_CELL_V + (_FULL_CELL_V - _EMPTY_CELL_V) * percent / 100.0))
+
+
+def system_time(v: "Vehicle") -> mavlink.MAVLink_message:
+    """SYSTEM_TIME; the time of day is unknown until there is a position."""
+    known = v.autopilot.ekf_ready or v.autopilot.airborne
+    return mavlink.MAVLink_system_time_message(v.unix_ms * 1000 if known else 0, v.boot_ms & U32)
+
+
+def gps_raw_int(v: "Vehicle") -> mavlink.MAVLink_message:
+    """GPS_RAW_INT."""
+    e = v.estimate()
+    latitude, longitude = v.plane.degrees(e.east, e.north)
+    lost = v.autopilot.gps_lost_ms is not None
+    fix, satellites, eph = (1, 3, 0xFFFF) if lost else (3, 14, 80)
+    course = round(math.degrees(math.atan2(e.ve, e.vn)) % 360.0 * 100.0) % 36_000
+    return mavlink.MAVLink_gps_raw_int_message(
+        v.boot_ms * 1000, fix, deg_e7(latitude), deg_e7(longitude), round((v.plane.altitude_m + e.up) * 1000),
+        eph, eph, min(round(math.hypot(e.ve, e.vn) * 100), 0xFFFE), course, satellites,
+    )  # fmt: skip
+
+
+def global_position_int(v: "Vehicle") -> mavlink.MAVLink_message:
+    """GLOBAL_POSITION_INT."""
+    e = v.estimate()
+    latitude, longitude = v.plane.degrees(e.east, e.north)
+    home = v.autopilot.home
+    return mavlink.MAVLink_global_position_int_message(
+        v.boot_ms & U32, deg_e7(latitude), deg_e7(longitude), round((v.plane.altitude_m + e.up) * 1000),
+        round((e.up - (home[2] if home else v.pad[2])) * 1000),
+        round(e.vn * 100), round(e.ve * 100), round(-e.vu * 100), 0,
+    )  # fmt: skip
+
+
+def local_position_ned(v: "Vehicle") -> mavlink.MAVLink_message:
+    """LOCAL_POSITION_NED, relative to the vehicle's own EKF origin."""
+    e = v.estimate()
+    east, north, up = v.ekf_origin
+    x, vx = e.north - north, e.vn
+    if v.faults.is_active("nan"):
+        x, vx = math.nan, math.inf
+    return mavlink.MAVLink_local_position_ned_message(
+        v.boot_ms & U32, x, e.east - east, up - e.up, vx, e.ve, -e.vu
+    )
+
+
+def gps_global_origin(v: "Vehicle") -> mavlink.MAVLink_message:
+    """GPS_GLOBAL_ORIGIN: the EKF origin."""
+    east, north, up = v.ekf_origin
+    latitude, longitude = v.plane.degrees(east, north)
+    altitude = round((v.plane.altitude_m + up) * 1000)
+    return mavlink.MAVLink_gps_global_origin_message(deg_e7(latitude), deg_e7(longitude), altitude, v.boot_ms * 1000)
+
+
+def home_position(v: "Vehicle") -> mavlink.MAVLink_message:
+    """HOME_POSITION."""
+    home = v.autopilot.home or v.pad
+    origin = v.ekf_origin
+    latitude, longitude = v.plane.degrees(home[0], home[1])
+    altitude = round((v.plane.altitude_m + home[2]) * 1000)
+    return mavlink.MAVLink_home_position_message(
+        deg_e7(latitude), deg_e7(longitude), altitude, home[1] - origin[1], home[0] - origin[0], origin[2] - home[2],
+        (1.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0, v.boot_ms * 1000,
+    )  # fmt: skip
+
+
+def extended_sys_state(v: "Vehicle") -> mavlink.MAVLink_message:
+    """EXTENDED_SYS_STATE."""
+    if not v.autopilot.airborne:
+        landed = mavlink.MAV_LANDED_STATE_ON_GROUND
+    elif v.autopilot.flight.climbing:
+        landed = mavlink.MAV_LANDED_STATE_TAKEOFF
+    else:
+        landed = mavlink.MAV_LANDED_STATE_IN_AIR
+    return mavlink.MAVLink_extended_sys_state_message(0, landed)
+
+
+def ekf_status_report(v: "Vehicle") -> mavlink.MAVLink_message:
+    """EKF_STATUS_REPORT (ArduPilot)."""
+    flags, variance = _ekf(v)
+    return mavlink.MAVLink_ekf_status_report_message(flags, variance, variance, variance, variance, 0.0, 0.0)
+
+
+def estimator_status(v: "Vehicle") -> mavlink.MAVLink_message:
+    """ESTIMATOR_STATUS (PX4); its flags share their bits with EKF_STATUS_REPORT up to the tenth."""
+    flags, ratio = _ekf(v)
+    if flags & mavlink.EKF_UNINITIALIZED:
+        flags = 0
+    return mavlink.MAVLink_estimator_status_message(
+        v.boot_ms * 1000, flags, ratio, ratio, ratio, ratio, 0.0, 0.0, 0.3 if ratio < 1.0 else 20.0, 0.4
+    )
+
+
+def _ekf(v: "Vehicle") -> tuple[int, float]:
+    pilot = v.autopilot
+    if pilot.ekf_ready:
+        return _EKF_ALWAYS | _EKF_POSITION, _GOOD_VARIANCE
+    if pilot.ekf_bad:
+        return _EKF_ALWAYS | mavlink.EKF_VELOCITY_HORIZ | mavlink.EKF_POS_HORIZ_REL, _BAD_VARIANCE
+    if pilot.gps_lost_ms is not None:
+        return _EKF_ALWAYS | mavlink.EKF_CONST_POS_MODE, _GOOD_VARIANCE
+    return mavlink.EKF_UNINITIALIZED, 0.0
+
+
+def attitude(v: "Vehicle") -> mavlink.MAVLink_message:
+    """ATTITUDE: leans as the acceleration needs, nose to the north."""
+    body = v.autopilot.body
+    roll, pitch = math.atan2(body.acceleration_e, 9.81), -math.atan2(body.acceleration_n, 9.81)
+    return mavlink.MAVLink_attitude_message(v.boot_ms & U32, roll, pitch, 0.0, 0.0, 0.0, 0.0)
+
+
+def vfr_hud(v: "Vehicle") -> mavlink.MAVLink_message:
+    """VFR_HUD."""
+    e = v.estimate()
+    speed = math.hypot(e.ve, e.vn)
+    throttle = 40 if v.autopilot.armed else 0
+    return mavlink.MAVLink_vfr_hud_message(speed, speed, 0, throttle, v.plane.altitude_m + e.up, e.vu)
+
+
+def autopilot_version(v: "Vehicle") -> mavlink.MAVLink_message:
+    """AUTOPILOT_VERSION."""
+    capabilities = (
+        mavlink.MAV_PROTOCOL_CAPABILITY_PARAM_FLOAT
+        | mavlink.MAV_PROTOCOL_CAPABILITY_COMMAND_INT
+        | mavlink.MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
+        | mavlink.MAV_PROTOCOL_CAPABILITY_MAVLINK2
+    )
+    major, minor = (1, 15) if isinstance(v.autopilot, Px4) else (4, 7)
+    none = (0,) * 8
+    return mavlink.MAVLink_autopilot_version_message(
+        capabilities, major << 24 | minor << 16, 0, 0, 0, none, none, none, 0, 0, v.config.system
+    )
+
+
+Builder = Callable[["Vehicle"], mavlink.MAVLink_message]
+
+BUILDERS: dict[int, Builder] = {
+    message.id: builder
+    for message, builder in (
+        (mavlink.MAVLink_heartbeat_message, heartbeat),
+        (mavlink.MAVLink_system_time_message, system_time),
+        (mavlink.MAVLink_sys_status_message, sys_status),
+        (mavlink.MAVLink_battery_status_message, battery_status),
+        (mavlink.MAVLink_gps_raw_int_message, gps_raw_int),
+        (mavlink.MAVLink_gps_global_origin_message, gps_global_origin),
+        (mavlink.MAVLink_home_position_message, home_position),
+        (mavlink.MAVLink_extended_sys_state_message, extended_sys_state),
+        (mavlink.MAVLink_ekf_status_report_message, ekf_status_report),
+        (mavlink.MAVLink_estimator_status_message, estimator_status),
+        (mavlink.MAVLink_attitude_message, attitude),
+        (mavlink.MAVLink_vfr_hud_message, vfr_hud),
+        (mavlink.MAVLink_autopilot_version_message, autopilot_version),
+        (mavlink.MAVLink_global_position_int_message, global_position_int),
+        (mavlink.MAVLink_local_position_ned_message, local_position_ned),
+    )
+}
+"""Every message that can be asked for, in the order in which they are sent: the position comes last."""
+
+PX4_STREAMS = {
+    mavlink.MAVLINK_MSG_ID_SYS_STATUS: 1000,
+    mavlink.MAVLINK_MSG_ID_SYSTEM_TIME: 1000,
+    mavlink.MAVLINK_MSG_ID_GPS_RAW_INT: 1000,
+    mavlink.MAVLINK_MSG_ID_ESTIMATOR_STATUS: 1000,
+    mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: 1000,
+    mavlink.MAVLINK_MSG_ID_BATTERY_STATUS: 2000,
+    mavlink.MAVLINK_MSG_ID_HOME_POSITION: 2000,
+    GLOBAL_POSITION_INT: 200,
+    LOCAL_POSITION_NED: 200,
+}
+"""What PX4 sends unasked beside HEARTBEAT, ms between two; ArduPilot sends nothing more."""
+
+
+class Schedule:
+    """What is sent how often. Messages of one interval fall into the same tick."""
+
+    def __init__(self, streams: dict[int, int]) -> None:
+        self._defaults = {mavlink.MAVLINK_MSG_ID_HEARTBEAT: 1000, **streams}
+        self.reset()
+
+    def reset(self) -> None:
+        """Back to what is sent unasked."""
+        self._intervals: dict[int, int] = {}
+        self._last: dict[int, int] = {}
+        for message, interval in self._defaults.items():
+            self.set(message, interval)
+
+    def set(self, message: int, interval_ms: int) -> bool:
+        """Sends `message` every `interval_ms`; 0 back to the default, -1 never. False when there is no such message."""
+        if message not in BUILDERS:
+            return False
+        if interval_ms == 0:
+            interval_ms = self._defaults.get(message, -1)
+        self._intervals.pop(message, None)
+        if interval_ms > 0:
+            self._intervals[message] = interval_ms
+            order = {m: i for i, m in enumerate(BUILDERS)}
+            self._intervals = dict(sorted(self._intervals.items(), key=lambda item: order[item[0]]))
+        return True
+
+    def interval_ms(self, message: int) -> int:
+        """ms between two; -1 when it is not sent."""
+        return self._intervals.get(message, -1)
+
+    def due(self, t_ms: int) -> Iterator[int]:
+        """The messages that are due at `t_ms`."""
+        for message, interval in self._intervals.items():
+            slot = t_ms // interval
+            if self._last.get(message) != slot:
+                self._last[message] = slot
+                yield message
