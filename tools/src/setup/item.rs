@@ -3,6 +3,7 @@
 use clap::ValueEnum;
 
 use super::rust_targets::Toolchain;
+use super::simlink;
 use crate::command::Cmd;
 use crate::workspace::find_program;
 
@@ -13,6 +14,8 @@ pub enum Item {
     Browser,
     /// Python's venv and pip: the simulated autopilots run in one.
     PythonVenv,
+    /// The simulated autopilots' own Python environment.
+    Simlink,
     /// QEMU's Cortex-M machines: the bare-metal images are run on them.
     QemuArm,
     /// QEMU for single aarch64 programs: the companion computer's node is run in it.
@@ -25,14 +28,22 @@ pub enum Item {
 
 impl Item {
     /// All items, in the order of their set-up.
-    pub const ALL: &[Self] =
-        &[Self::Browser, Self::PythonVenv, Self::QemuArm, Self::QemuAarch64, Self::Aarch64Gcc, Self::RustTargets];
+    pub const ALL: &[Self] = &[
+        Self::Browser,
+        Self::PythonVenv,
+        Self::Simlink,
+        Self::QemuArm,
+        Self::QemuAarch64,
+        Self::Aarch64Gcc,
+        Self::RustTargets,
+    ];
 
     /// The name on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Browser => "browser",
             Self::PythonVenv => "python-venv",
+            Self::Simlink => "simlink",
             Self::QemuArm => "qemu-arm",
             Self::QemuAarch64 => "qemu-aarch64",
             Self::Aarch64Gcc => "aarch64-gcc",
@@ -45,6 +56,7 @@ impl Item {
         match self {
             Self::Browser => "Chromium, opens the reports in tests",
             Self::PythonVenv => "Python with venv and pip, runs the simulated autopilots",
+            Self::Simlink => "pymavlink in .venv, the simulated autopilots speak with it",
             Self::QemuArm => "QEMU for Cortex-M boards, runs the bare-metal images",
             Self::QemuAarch64 => "QEMU for aarch64 programs, runs the companion computer's node",
             Self::Aarch64Gcc => "C compiler and static C library for aarch64, link the node",
@@ -60,7 +72,7 @@ impl Item {
             Self::QemuArm => &["qemu-system-arm"],
             Self::QemuAarch64 => &["qemu-user-static"],
             Self::Aarch64Gcc => &["gcc-aarch64-linux-gnu", "libc6-dev-arm64-cross"],
-            Self::RustTargets => &[],
+            Self::Simlink | Self::RustTargets => &[],
         }
     }
 
@@ -69,6 +81,7 @@ impl Item {
         match self {
             Self::Browser => find_program(&["chromium", "chromium-browser", "google-chrome"]).is_some(),
             Self::PythonVenv => Cmd::new("python3").args(["-c", "import venv, ensurepip"]).succeeds(),
+            Self::Simlink => simlink::is_present(),
             Self::QemuArm => find_program(&["qemu-system-arm"]).is_some(),
             Self::QemuAarch64 => find_program(&["qemu-aarch64-static", "qemu-aarch64"]).is_some(),
             // Of a library that it does not have, the compiler prints the bare name.

@@ -3,6 +3,7 @@
 mod apt;
 mod item;
 pub mod rust_targets;
+pub mod simlink;
 
 pub use item::Item;
 
@@ -57,6 +58,9 @@ pub fn install(items: &[Item]) -> Result<()> {
     let packages: Vec<&str> = missing.iter().flat_map(|item| item.packages()).copied().collect();
     if !packages.is_empty() {
         apt::install(&packages)?;
+    }
+    if missing.contains(&Item::Simlink) {
+        simlink::install()?;
     }
     if missing.contains(&Item::RustTargets) {
         rust_targets::install(true)?;

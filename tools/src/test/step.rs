@@ -5,6 +5,7 @@ use crate::command::Cmd;
 use crate::error::Result;
 use crate::setup::Item;
 use crate::setup::rust_targets::{CORTEX_M, Toolchain};
+use crate::setup::simlink;
 use crate::targets;
 
 /// One step: a command whose success is the check.
@@ -13,15 +14,17 @@ pub struct Step {
     pub name: &'static str,
     /// What must be installed before it runs.
     pub needs: &'static [Item],
-    cargo: &'static [&'static str],
+    args: &'static [&'static str],
     env: Option<(&'static str, &'static str)>,
+    /// The arguments are for the Python of the simulated autopilots instead of cargo.
+    python: bool,
     /// It needs the Cortex-M library and lints: Debian's compiler has no clippy, there the step is left out.
     lints_image: bool,
 }
 
 impl Step {
     const fn cargo(name: &'static str, args: &'static [&'static str]) -> Self {
-        Self { name, needs: &[], cargo: args, env: None, lints_image: false }
+        Self { name, needs: &[], args, env: None, python: false, lints_image: false }
     }
 }
 
@@ -41,6 +44,7 @@ pub const STEPS: &[Step] = &[
         )
     },
     Step { env: Some(("RUSTDOCFLAGS", "-D warnings")), ..Step::cargo("doc", &["doc", "--workspace", "--no-deps"]) },
+    Step { needs: &[Item::Simlink], python: true, ..Step::cargo("simlink", &["-m", "simlink.tests"]) },
     // Debug builds check for integer overflow, which the on-board arithmetic promises never to do.
     Step::cargo("core-debug", &["test", "--package", "firmware-core", "--no-fail-fast"]),
     Step { needs: targets::NEEDS, ..Step::cargo("targets", &["xtask", "targets"]) },
@@ -53,7 +57,7 @@ pub const STEPS: &[Step] = &[
         )
     },
     Step {
-        needs: &[Item::Browser, Item::PythonVenv],
+        needs: &[Item::Browser, Item::PythonVenv, Item::Simlink],
         ..Step::cargo("tests", &["test", "--workspace", "--release", "--no-fail-fast"])
     },
 ];
@@ -61,7 +65,8 @@ pub const STEPS: &[Step] = &[
 impl Step {
     /// What the step runs.
     pub fn command(&self) -> Cmd {
-        let command = Cmd::cargo().args(self.cargo);
+        let program = if self.python { Cmd::new(simlink::python()) } else { Cmd::cargo() };
+        let command = program.args(self.args);
         self.env.iter().fold(command, |command, (name, value)| command.env(name, value))
     }
 

@@ -1,0 +1,61 @@
+//! The Python environment of the simulated autopilots: `.venv` in the workspace, with the packages that
+//! `sitl-bridge/simlink/requirements.txt` pins.
+
+use std::fs;
+use std::path::PathBuf;
+
+use super::Item;
+use super::apt::{self, twice};
+use crate::command::Cmd;
+use crate::error::{Error, Result};
+use crate::workspace;
+
+/// Its Python.
+pub fn python() -> PathBuf {
+    venv().join("bin/python")
+}
+
+fn venv() -> PathBuf {
+    workspace::root().join(".venv")
+}
+
+fn requirements() -> PathBuf {
+    workspace::root().join("sitl-bridge/simlink/requirements.txt")
+}
+
+/// The requirements as they were when the environment was last finished.
+fn installed() -> PathBuf {
+    venv().join("covey-requirements.txt")
+}
+
+/// Whether the environment has just these packages, and they can be imported from any folder.
+pub fn is_present() -> bool {
+    let same = fs::read(requirements()).is_ok_and(|wanted| fs::read(installed()).is_ok_and(|have| have == wanted));
+    same && Cmd::new(python()).args(["-c", "import pymavlink, fastcrc, simlink"]).folder("/").succeeds()
+}
+
+/// Makes the environment, or brings it up to date.
+///
+/// # Errors
+/// Python's venv cannot be installed, or a download failed twice.
+pub fn install() -> Result<()> {
+    if !Item::PythonVenv.is_present() {
+        apt::install(Item::PythonVenv.packages())?;
+    }
+    // One whose Python has gone, after an upgrade of the system, is made anew.
+    let clear: &[&str] =
+        if Cmd::new(python()).args(["-m", "pip", "--version"]).succeeds() { &[] } else { &["--clear"] };
+    Cmd::new("python3").args(["-m", "venv"]).args(clear).arg(venv()).read()?;
+    let pip = Cmd::new(python())
+        .args(["-m", "pip", "install", "--quiet", "--no-input", "--disable-pip-version-check", "--requirement"])
+        .arg(requirements());
+    eprintln!("setup: {pip}");
+    twice(|| pip.read())?;
+    let site = Cmd::new(python()).args(["-c", "import sysconfig; print(sysconfig.get_path('purelib'))"]).read()?;
+    let path_file = PathBuf::from(site.trim()).join("simlink.pth");
+    let package = workspace::root().join("sitl-bridge");
+    fs::write(&path_file, format!("{}\n", package.display())).map_err(Error::file(&path_file))?;
+    // Last, so that an environment that was interrupted does not pass for a finished one.
+    fs::copy(requirements(), installed()).map_err(Error::file(installed()))?;
+    Ok(())
+}
