@@ -22,6 +22,7 @@ mod metrics;
 pub mod oracles;
 mod plane;
 mod policy;
+pub mod radio;
 pub mod random;
 mod scenario;
 mod score;

@@ -1,0 +1,22 @@
+//! A radio link that is not perfect, and a swarm that flies by it.
+//!
+//! [`Radio`] carries datagrams between the nodes of a swarm and does to them what
+//! [`LinkSettings`] say: it loses, delays, doubles, reorders and damages them, and ends at a
+//! range. It knows nothing of what is in them, of sockets or of clocks, so tests, a bridge and
+//! an evaluation can all play the same link. [`RadioPolicy`] flies a world's UAVs as boards do:
+//! each knows the others only by the messages that such a link brings it.
+//!
+//! What happens to a datagram is a function of the seed, the sender, the receiver and its
+//! number among those that this sender sent to this receiver: never of threads or of the order
+//! in which the nodes of a swarm have their turns.
+
+mod draws;
+mod figures;
+mod model;
+mod policy;
+mod settings;
+
+pub use figures::{LinkFigures, evaluate_over};
+pub use model::{Counts, Datagram, MAX_NODES, Radio};
+pub use policy::{DECIDE_MS, ENCODE_MS, RadioPolicy};
+pub use settings::{KEYS, LinkError, LinkSettings};

@@ -1,0 +1,165 @@
+//! Worlds flown over a link: over a perfect one as without any, over a bad one by what it
+//! brings, always the same.
+
+use covey_env::radio::{DECIDE_MS, ENCODE_MS, LinkFigures, LinkSettings, RadioPolicy, evaluate_over};
+use covey_env::{ActorPolicy, Evaluation, Law, Scenario, World, evaluate};
+use firmware_core::actor::{Actor, Mode};
+use proptest::prelude::*;
+use std::path::Path;
+use std::sync::LazyLock;
+
+const SEED: u64 = 41;
+const KINDS: [&str; 3] = ["sample-none", "sample-gcn", "sample-gat"];
+
+static FILES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../firmware-core/tests/data");
+    let file = |name| std::fs::read(folder.join(format!("{name}.actor"))).expect("a committed sample actor");
+    KINDS.map(file).to_vec()
+});
+
+fn actors() -> impl Iterator<Item = (&'static str, Actor<'static>)> {
+    KINDS.into_iter().zip(FILES.iter()).map(|(name, file)| (name, Actor::load(file).expect("sound")))
+}
+
+fn gcn() -> Actor<'static> {
+    Actor::load(&FILES[1]).expect("sound")
+}
+
+fn link(text: &str) -> LinkSettings {
+    text.parse().expect("a link")
+}
+
+/// Flies one world both ways and compares each step; returns the number of links met.
+fn assert_same_flight(actor: Actor<'_>, scenario: &Scenario, mode: Mode, link: &LinkSettings, index: u64) -> u64 {
+    let mut world = World::new(scenario).expect("a scenario");
+    world.reset(SEED, index);
+    let mut trained = ActorPolicy::new(actor, SEED, mode);
+    let mut flown = RadioPolicy::new(actor, SEED, mode, link, scenario.uavs).expect("a link");
+    while !world.done() {
+        let step = world.steps_done();
+        trained.look(&world);
+        flown.look(&world);
+        assert_eq!(trained.observations(), flown.observations(), "{link}, step {step}");
+        let mut actions = Vec::new();
+        for i in 0..scenario.uavs {
+            let logits = flown.logits(i, step);
+            assert_eq!(trained.logits(i), logits, "{link}, step {step}, UAV {i}");
+            actions.push(flown.choose(&logits, i, step));
+        }
+        world.step(&actions);
+    }
+    let LinkFigures { neighbours, known, ghosts, .. } = flown.figures();
+    assert_eq!((known, ghosts), (neighbours, 0), "{link}");
+    neighbours
+}
+
+#[test]
+fn over_a_perfect_link_it_is_the_policy_without_one() {
+    for (name, actor) in actors() {
+        for text in ["perfect", "range_u=34"] {
+            let links = assert_same_flight(actor, &Scenario::default(), Mode::Sample, &link(text), 3);
+            assert!(links > 100, "{name}: only {links} links in the episode");
+        }
+    }
+    let short = Scenario { steps: 30, ..Scenario::default() };
+    assert_same_flight(gcn(), &short, Mode::Argmax, &link("perfect"), 4);
+    for text in ["duplicate=0.5", "delay_ms=400", "jitter_ms=400,duplicate=1"] {
+        assert_same_flight(gcn(), &short, Mode::Sample, &link(text), 5);
+    }
+}
+
+/// More UAVs in reach than a table holds.
+#[test]
+fn a_dense_swarm_too() {
+    let scenario = Scenario { uavs: 70, pois: 60, side_u: 80.0, steps: 15, law: Law::Uniform };
+    for text in ["range_u=34", "perfect"] {
+        assert_same_flight(gcn(), &scenario, Mode::Sample, &link(text), 3);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+    #[test]
+    fn and_every_swarm(uavs in 1usize..40, side_u in 60.0f32..200.0, seed: u64, reach in 34.0f32..100.0) {
+        let scenario = Scenario { uavs, pois: 40, side_u, steps: 12, law: Law::Clustered };
+        let link = LinkSettings { range_u: Some(reach), jitter_ms: 400, ..LinkSettings::default() };
+        assert_same_flight(gcn(), &scenario, Mode::Sample, &link, seed);
+    }
+}
+
+fn flown(link: &LinkSettings, worlds: u64) -> (Evaluation, LinkFigures) {
+    let scenario = Scenario { steps: 25, ..Scenario::default() };
+    evaluate_over(&scenario, 5, worlds, |i| {
+        RadioPolicy::new(gcn(), i ^ 0x55, Mode::Sample, link, scenario.uavs).expect("a link")
+    })
+    .expect("a scenario")
+}
+
+#[test]
+fn an_evaluation_over_a_perfect_link_is_one_without() {
+    let scenario = Scenario { steps: 25, ..Scenario::default() };
+    let without = evaluate(&scenario, 5, 6, |i| ActorPolicy::new(gcn(), i ^ 0x55, Mode::Sample)).unwrap();
+    assert_eq!(flown(&LinkSettings::default(), 6).0, without);
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let bad = link("loss=0.3,burst=4,delay_ms=300,jitter_ms=2500,duplicate=0.2,reorder=0.1,corrupt=0.1,range_u=60");
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| flown(&bad, 7))
+    };
+    let one = on(1);
+    assert_eq!(one, on(2));
+    assert_eq!(one, on(3));
+    assert!(one.1.known < one.1.neighbours && one.1.malformed > 0 && one.1.refused > 0, "{:?}", one.1);
+}
+
+#[test]
+fn a_silent_link_leaves_everyone_alone() {
+    let (_, figures) = flown(&link("loss=1"), 2);
+    assert_eq!((figures.known, figures.ghosts, figures.features, figures.taken), (0, 0, 0, 0));
+    assert!(figures.neighbours > 0);
+    assert_eq!(figures.counts.lost, figures.counts.sent);
+}
+
+/// Known in its own step, one step later, two steps later, or never: up to the limits of the
+/// neighbour table.
+#[test]
+fn a_delay_makes_neighbours_late_and_then_unknown() {
+    let share = |delay_ms: u64| {
+        let (_, f) = flown(&LinkSettings { delay_ms: delay_ms as u32, ..LinkSettings::default() }, 3);
+        (f.known as f64 / f.neighbours as f64, f.features as f64 / f.neighbours as f64, f.ghosts)
+    };
+    assert_eq!(share(ENCODE_MS), (1.0, 1.0, 0));
+    // Features have DECIDE_MS − ENCODE_MS, which is as much.
+    assert_eq!(DECIDE_MS - ENCODE_MS, ENCODE_MS);
+    let mut before = 1.0;
+    for delay_ms in [ENCODE_MS + 1, 4_000] {
+        let (known, _, ghosts) = share(delay_ms);
+        assert!(known < before && known > 0.5 && ghosts > 0, "{delay_ms} ms: {known} known, {ghosts} ghosts");
+        before = known;
+    }
+    assert_eq!(share(4_000 + ENCODE_MS + 1), (0.0, 0.0, 0));
+}
+
+/// A policy that begins again is as good as new.
+#[test]
+fn an_episode_leaves_nothing_for_the_next() {
+    let scenario = Scenario { steps: 15, ..Scenario::default() };
+    let bad = link("loss=0.4,jitter_ms=3000,reorder=0.2");
+    let mut world = World::new(&scenario).unwrap();
+    let mut policy = RadioPolicy::new(gcn(), 9, Mode::Sample, &bad, scenario.uavs).unwrap();
+    let mut fly = || {
+        use covey_env::Policy;
+        world.reset(3, 3);
+        let mut actions = vec![firmware_core::action::Action::COAST; scenario.uavs];
+        policy.begin(&world);
+        while !world.done() {
+            policy.act(&world, &mut actions);
+            world.step(&actions);
+        }
+        (world.metrics(), policy.figures())
+    };
+    assert_eq!(fly(), fly());
+}
