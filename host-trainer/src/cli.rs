@@ -1,6 +1,7 @@
 //! The command line.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use covey_env::radio::LinkSettings;
 use std::path::PathBuf;
 
 /// Train, measure and export Covey's policy.
@@ -27,9 +28,13 @@ pub enum Command {
         after_help = "Examples:\n  host-trainer eval\n  host-trainer eval --policy centroid --uavs 5,10,20 --json\n  \
         host-trainer eval --model actor.postcard --scenario uniform --decide argmax\n  \
         host-trainer eval --run runs/gcn-seed10 --float\n  \
+        host-trainer eval --link loss=0.1 --link loss=0.3,burst=5,delay_ms=2000\n  \
         host-trainer eval --actor qemu-m7 --worlds 10"
     )]
     Eval(Eval),
+    /// Measure something at length and write a page with a picture.
+    #[command(subcommand)]
+    Experiment(Experiment),
     /// Quantise the newest checkpoint of a run into an actor file.
     #[command(after_help = "Example:\n  host-trainer export runs/gcn-seed10 --out actor.postcard")]
     Export(Export),
@@ -177,6 +182,11 @@ pub struct Eval {
     /// How actions are taken.
     #[arg(long, default_value = "sample")]
     pub decide: DecideArg,
+    /// Messages between UAVs go over this link, such as loss=0.1,burst=3,delay_ms=2000 (a step
+    /// has 2000 ms); may be repeated, a row each. Settings: loss, burst, delay_ms, jitter_ms,
+    /// duplicate, reorder, corrupt, range_u; `perfect` for none of them.
+    #[arg(long, value_name = "KEY=V,…", conflicts_with_all = ["policy", "float", "actor"])]
+    pub link: Vec<LinkSettings>,
     /// Measures the float policy beside the int8 actor, and how often both would choose
     /// the same (needs --run).
     #[arg(long, requires = "run")]
@@ -187,6 +197,58 @@ pub struct Eval {
     /// Threads, or emulated boards with --actor qemu-… [default: one a core].
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
+}
+
+/// `experiment`.
+#[derive(Debug, Subcommand)]
+pub enum Experiment {
+    /// Coverage over links that lose, delay, double, reorder and damage messages.
+    #[command(after_help = "Example:\n  host-trainer experiment link --worlds 20 --out /tmp/link")]
+    Link(ExperimentLink),
+}
+
+/// `experiment link`.
+#[derive(Debug, Args)]
+pub struct ExperimentLink {
+    /// Actor file [default: the one that comes with Covey].
+    #[arg(long, value_name = "FILE.postcard")]
+    pub model: Option<PathBuf>,
+    /// UAVs.
+    #[arg(long, value_name = "N", default_value_t = Self::default().uavs)]
+    pub uavs: u16,
+    /// Law of the PoIs.
+    #[arg(long, default_value = "clustered")]
+    pub scenario: LawArg,
+    /// Held-out worlds for each link.
+    #[arg(long, value_name = "N", default_value_t = Self::default().worlds)]
+    pub worlds: u32,
+    /// Seed of the worlds.
+    #[arg(long, value_name = "S", default_value_t = Self::default().seed)]
+    pub seed: u64,
+    /// Folder for link-loss.md and link-loss.svg, as in the documents.
+    #[arg(long, value_name = "DIR", default_value = "docs")]
+    pub out: PathBuf,
+    /// Also prints one JSON array of rows.
+    #[arg(long)]
+    pub json: bool,
+    /// Threads [default: one a core]. Results do not depend on it.
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+}
+
+impl Default for ExperimentLink {
+    fn default() -> Self {
+        Self {
+            model: None,
+            uavs: 20,
+            scenario: LawArg::Clustered,
+            worlds: 200,
+            seed: 777,
+            out: "docs".into(),
+            json: false,
+            threads: None,
+        }
+    }
 }
 
 /// `export`.

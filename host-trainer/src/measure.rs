@@ -3,6 +3,7 @@
 use crate::cli::PolicyArg;
 use crate::float_actor::{FloatActor, FloatPolicy, argmax};
 use crate::net::{ActorTensors, actor_logits};
+use crate::over_link::LinkRow;
 use crate::settings::law_name;
 use crate::train::floats;
 use covey_env::baselines::{Centroid, Greedy, Hover, Planner, Random, RememberingPlanner};
@@ -74,6 +75,9 @@ macro_rules! row {
             /// What decided, when it was not this computer.
             #[serde(flatten)]
             pub board: Option<BoardFigures>,
+            /// The link and what it did, when the UAVs flew over one.
+            #[serde(flatten)]
+            pub link: Option<LinkRow>,
         }
 
         impl EvalRow {
@@ -90,6 +94,7 @@ macro_rules! row {
                     decide: decide.to_owned(),
                     $($metric: mean.$metric, $error: se.$metric,)*
                     board: None,
+                    link: None,
                 }
             }
 
@@ -222,16 +227,18 @@ pub fn agreement(int8: &Actor<'_>, float: &FloatActor, trial: &Trial) -> Result<
     Ok(flown.reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1)))
 }
 
-/// A table of rows for people.
+/// A table of rows for people, with a column for links where there are any.
 #[must_use]
 pub fn table(rows: &[EvalRow]) -> String {
+    let link = if rows.iter().any(|r| r.link.is_some()) { "  link" } else { "" };
     let mut out = format!(
-        "{:<12} {:<10} {:>5}  {:<7} {:>14} {:>8} {:>7} {:>11} {:>7} {:>12}\n",
+        "{:<12} {:<10} {:>5}  {:<7} {:>14} {:>8} {:>7} {:>11} {:>7} {:>12}{link}\n",
         "policy", "scenario", "uavs", "decide", "coverage", "last", "energy", "individual", "group", "reward"
     );
     for r in rows {
+        let link = r.link.as_ref().map_or(String::new(), |l| format!("  {}", l.link));
         out += &format!(
-            "{:<12} {:<10} {:>5}  {:<7} {:>6.4} ±{:.4} {:>9.4} {:>7.3} {:>11.2} {:>7.2} {:>6.1} ±{:.1}\n",
+            "{:<12} {:<10} {:>5}  {:<7} {:>6.4} ±{:.4} {:>9.4} {:>7.3} {:>11.2} {:>7.2} {:>6.1} ±{:<4.1}{link}\n",
             r.policy,
             r.scenario,
             r.uavs,

@@ -89,10 +89,8 @@ proptest! {
 
 fn flown(link: &LinkSettings, worlds: u64) -> (Evaluation, LinkFigures) {
     let scenario = Scenario { steps: 25, ..Scenario::default() };
-    evaluate_over(&scenario, 5, worlds, |i| {
-        RadioPolicy::new(gcn(), i ^ 0x55, Mode::Sample, link, scenario.uavs).expect("a link")
-    })
-    .expect("a scenario")
+    let policy = RadioPolicy::new(gcn(), 0, Mode::Sample, link, scenario.uavs).expect("a link");
+    evaluate_over(&scenario, 5, worlds, &policy, |i| i ^ 0x55).expect("a scenario")
 }
 
 #[test]
@@ -100,6 +98,13 @@ fn an_evaluation_over_a_perfect_link_is_one_without() {
     let scenario = Scenario { steps: 25, ..Scenario::default() };
     let without = evaluate(&scenario, 5, 6, |i| ActorPolicy::new(gcn(), i ^ 0x55, Mode::Sample)).unwrap();
     assert_eq!(flown(&LinkSettings::default(), 6).0, without);
+}
+
+#[test]
+fn a_policy_of_another_swarm_is_refused() {
+    let policy = RadioPolicy::new(gcn(), 0, Mode::Sample, &LinkSettings::default(), 3).unwrap();
+    let refused = evaluate_over(&Scenario::default(), 5, 2, &policy, |i| i).unwrap_err();
+    assert!(refused.to_string().contains("made for 3 UAVs, the scenario has 20"), "{refused}");
 }
 
 #[test]

@@ -6,6 +6,7 @@ use super::{read, use_threads};
 use crate::cli::{DecideArg, Eval};
 use crate::float_actor::FloatActor;
 use crate::measure::{BoardFigures, EvalRow, Subject, Trial, agreement, table};
+use crate::over_link;
 use crate::run::RunFolder;
 use covey_env::Scenario;
 use firmware_core::actor::Mode;
@@ -67,6 +68,10 @@ pub fn run(args: &Eval) -> Result<()> {
         println!("{}", serde_json::to_string_pretty(&rows).into_diagnostic()?);
     } else {
         print!("{}", table(&rows));
+        let links: Vec<_> = rows.iter().filter_map(|row| row.link.clone()).collect();
+        if !links.is_empty() {
+            print!("\n{}", over_link::table(&links));
+        }
         for (row, board) in rows.iter().filter_map(|row| Some((row, row.board.as_ref()?))) {
             let BoardFigures { actor, decisions, differences } = board;
             println!("{actor}, {} UAVs: {decisions} decisions, {differences} differences", row.uavs);
@@ -87,7 +92,12 @@ fn one(args: &Eval, file: (&[u8], &str), float: Option<&FloatActor>, trial: &Tri
     }
     let actor = load(file.0).wrap_err_with(|| format!("{} cannot fly", file.1))?;
     let name = actor.aggregation().name();
-    let mut rows = vec![Subject::Int8(&actor).measure(&format!("{name} int8"), trial).into_diagnostic()?];
+    let policy = format!("{name} int8");
+    if !args.link.is_empty() {
+        let over = |link| over_link::measure(&actor, &policy, trial, link).map(|(row, _)| row);
+        return args.link.iter().map(over).collect::<Result<_, _>>().into_diagnostic();
+    }
+    let mut rows = vec![Subject::Int8(&actor).measure(&policy, trial).into_diagnostic()?];
     if let Some(float) = float {
         rows.push(Subject::Float(float).measure(&format!("{name} float"), trial).into_diagnostic()?);
         let (agreeing, all) = agreement(&actor, float, trial).into_diagnostic()?;

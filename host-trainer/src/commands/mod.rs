@@ -3,6 +3,7 @@
 mod bench;
 mod boards;
 mod eval;
+mod experiment;
 mod export;
 mod inspect;
 mod report;
@@ -25,6 +26,7 @@ pub fn run(command: &Command) -> Result<()> {
     match command {
         Command::Train(a) => train::run(a),
         Command::Eval(a) => eval::run(a),
+        Command::Experiment(e) => experiment::run(e),
         Command::Export(a) => export::run(a),
         Command::Inspect(a) => inspect::run(a),
         Command::Report(a) => report::run(a),

@@ -2,6 +2,7 @@
 
 use super::model::Counts;
 use super::policy::RadioPolicy;
+use super::settings::LinkError;
 use crate::evaluate::{Evaluation, fly};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::world::World;
@@ -71,24 +72,41 @@ impl LinkFigures {
     }
 }
 
-/// [`crate::evaluate`] over a link, with what the link did: `factory` makes the policy of each
-/// index. The result does not depend on the number of threads.
+/// Why an evaluation over a link cannot be.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum OverLinkError {
+    /// No such worlds.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// No such link.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+}
+
+/// [`crate::evaluate`] with a policy that flies over a link, and what the link did.
+/// `policy_seed` gives the policy's seed in the world of an index. The result does not depend
+/// on the number of threads.
 ///
 /// # Errors
-/// When the scenario is not valid.
-pub fn evaluate_over<'a>(
+/// When the scenario is not valid or the policy made for another number of UAVs.
+pub fn evaluate_over(
     scenario: &Scenario,
     seed: u64,
     worlds: u64,
-    factory: impl Fn(u64) -> RadioPolicy<'a> + Sync,
-) -> Result<(Evaluation, LinkFigures), ScenarioError> {
+    policy: &RadioPolicy<'_>,
+    policy_seed: impl Fn(u64) -> u64 + Sync,
+) -> Result<(Evaluation, LinkFigures), OverLinkError> {
     let fresh = World::new(scenario)?;
+    let nodes = policy.radio().nodes();
+    if nodes != scenario.uavs {
+        return Err(LinkError::OtherNodes { nodes, uavs: scenario.uavs }.into());
+    }
     let flown = (0..worlds).into_par_iter().map_init(
-        || fresh.clone(),
-        |world, index| {
+        || (fresh.clone(), policy.clone()),
+        |(world, policy), index| {
             world.reset(seed, index);
-            let mut policy = factory(index);
-            fly(world, &mut policy, |_| {});
+            policy.reseed(policy_seed(index));
+            fly(world, policy, |_| {});
             (world.metrics(), policy.figures())
         },
     );

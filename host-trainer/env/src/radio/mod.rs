@@ -16,7 +16,7 @@ mod model;
 mod policy;
 mod settings;
 
-pub use figures::{LinkFigures, evaluate_over};
+pub use figures::{LinkFigures, OverLinkError, evaluate_over};
 pub use model::{Counts, Datagram, MAX_NODES, Radio};
 pub use policy::{DECIDE_MS, ENCODE_MS, RadioPolicy};
 pub use settings::{KEYS, LinkError, LinkSettings};

@@ -74,6 +74,11 @@ impl<'a> RadioPolicy<'a> {
         Ok(Self { actor, seed, mode, radio, boards, observations, figures: LinkFigures::default() })
     }
 
+    /// Takes another policy seed for the next episode, from its [`Policy::begin`] on.
+    pub const fn reseed(&mut self, seed: u64) {
+        self.seed = seed;
+    }
+
     /// The UAVs look, tell each other what they see and hear it, in the present state of
     /// `world`. Call it once a step.
     ///

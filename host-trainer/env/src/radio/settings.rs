@@ -78,6 +78,14 @@ pub enum LinkError {
     /// More nodes than a link serves.
     #[error("link: {0} nodes; use 1 to {max}", max = super::MAX_NODES)]
     Nodes(usize),
+    /// A policy that was made for another swarm.
+    #[error("link: made for {nodes} UAVs, the scenario has {uavs}; make it for as many")]
+    OtherNodes {
+        /// UAVs it was made for.
+        nodes: usize,
+        /// UAVs in the scenario.
+        uavs: usize,
+    },
     /// A part of the text is not `key=value`.
     #[error("link: `{0}` is not key=value; an example is loss=0.1,burst=3,delay_ms=2000")]
     Form(String),

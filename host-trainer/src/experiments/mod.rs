@@ -1,0 +1,3 @@
+//! Measurements that make a page and pictures for the documents.
+
+pub mod link;
