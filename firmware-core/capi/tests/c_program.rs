@@ -1,27 +1,21 @@
-//! Compiles a C program against the header and the static library, runs it, and compares
-//! what it prints with what the same calls give in Rust.
+//! Compiles a C program against the header and the static library, runs it here and on QEMU's Cortex-M boards, and
+//! compares what it prints with what the same calls give in Rust.
 
 #[path = "../../tests/common/mod.rs"]
 mod common;
+mod expected;
 
 use common::sample_actor;
-use covey_capi::{
-    CoveyDecision, CoveyFeature, CoveyNeighbour, CoveyNeighbourFeature, CoveyScene, CoveyVec2, CoveyView, Status,
-};
-use firmware_core::action::ACTIONS;
-use firmware_core::actor::{Actor, Aggregation, Mode, NeighbourFeature, signature};
-use firmware_core::geometry::{State, TICKS_PER_U, Vec2};
-use firmware_core::observation::{LEN, MAX_NEIGHBOURS, Neighbour, Neighbours, Scene, observe};
+use covey_capi::Status;
+use expected::{CORTEX_M, HERE, Pointers};
+use firmware_core::actor::Aggregation;
 use std::collections::BTreeSet;
-use std::fmt::Write as _;
-use std::mem::offset_of;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const HEADER: &str = include_str!("../include/covey.h");
-const SEED: u64 = 10;
-const ID: u16 = 7;
-const STEP: u32 = 5;
+/// Where `cargo xtask targets` puts the library for Cortex-M, in cargo's target folder.
+const CORTEX_M_LIBRARY: &str = "targets/capi/thumbv7em-none-eabihf/firmware/libcovey_capi.a";
 
 /// Cargo builds the static library together with the one that this test links, beside the
 /// test's own binary. Older builds may lie there too: the newest is of the present code.
@@ -36,161 +30,93 @@ fn library() -> PathBuf {
         .path()
 }
 
+fn cortex_m_library() -> PathBuf {
+    let test = std::env::current_exe().unwrap();
+    let library = test.ancestors().nth(3).unwrap().join(CORTEX_M_LIBRARY);
+    assert!(library.is_file(), "no library at {}: `cargo xtask targets` builds it", library.display());
+    library
+}
+
+/// Runs a command to its good end and returns all that it printed.
 fn run(command: &mut Command) -> String {
-    let output = command.output().unwrap_or_else(|e| panic!("{command:?}: {e}"));
-    assert!(output.status.success(), "{command:?}\n{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
+    let output = command.output().unwrap_or_else(|e| panic!("{command:?}: {e}; `cargo xtask setup` installs it"));
+    // What a program on an emulated board prints comes on the emulator's error output.
+    let printed = String::from_utf8([output.stdout, output.stderr].concat()).unwrap();
+    assert!(output.status.success(), "{command:?}\n{printed}");
+    printed
 }
 
-fn compiler() -> Command {
-    Command::new(std::env::var_os("CC").unwrap_or_else(|| "cc".into()))
-}
-
-fn expected_layout() -> String {
-    let mut out = String::new();
-    let mut line = |name: &str, value: usize| writeln!(out, "{name} {value}").unwrap();
-    line("sizeof(covey_actor)", 8 * (8 + 8 * size_of::<*const u8>()));
-    line("sizeof(covey_vec2)", size_of::<CoveyVec2>());
-    line("sizeof(covey_neighbour)", size_of::<CoveyNeighbour>());
-    line("covey_neighbour.velocity", offset_of!(CoveyNeighbour, velocity));
-    line("covey_neighbour.id", offset_of!(CoveyNeighbour, id));
-    line("covey_neighbour.tie", offset_of!(CoveyNeighbour, tie));
-    line("sizeof(covey_scene)", size_of::<CoveyScene>());
-    line("covey_scene.velocity", offset_of!(CoveyScene, velocity));
-    line("covey_scene.half_side", offset_of!(CoveyScene, half_side));
-    line("covey_scene.id", offset_of!(CoveyScene, id));
-    line("covey_scene.tie", offset_of!(CoveyScene, tie));
-    line("covey_scene.neighbours", offset_of!(CoveyScene, neighbours));
-    line("covey_scene.neighbour_count", offset_of!(CoveyScene, neighbour_count));
-    line("covey_scene.pois", offset_of!(CoveyScene, pois));
-    line("covey_scene.poi_count", offset_of!(CoveyScene, poi_count));
-    line("sizeof(covey_view)", size_of::<CoveyView>());
-    line("covey_view.degree", offset_of!(CoveyView, degree));
-    line("covey_view.kept", offset_of!(CoveyView, kept));
-    line("sizeof(covey_feature)", size_of::<CoveyFeature>());
-    line("covey_feature.attending", offset_of!(CoveyFeature, attending));
-    line("covey_feature.attended", offset_of!(CoveyFeature, attended));
-    line("sizeof(covey_neighbour_feature)", size_of::<CoveyNeighbourFeature>());
-    line("covey_neighbour_feature.degree", offset_of!(CoveyNeighbourFeature, degree));
-    line("covey_neighbour_feature.attended", offset_of!(CoveyNeighbourFeature, attended));
-    line("sizeof(covey_decision)", size_of::<CoveyDecision>());
-    line("covey_decision.action", offset_of!(CoveyDecision, action));
-    line("COVEY_OBSERVATION", LEN);
-    line("COVEY_FEATURE", firmware_core::actor::MAX_FEATURE);
-    line("COVEY_NEIGHBOURS", MAX_NEIGHBOURS);
-    line("COVEY_ACTIONS", ACTIONS);
-    line("COVEY_TICKS_PER_U", TICKS_PER_U as usize);
-    for (status, _) in Status::ALL {
-        // OutOfRange is COVEY_OUT_OF_RANGE.
-        let name: String = format!("{status:?}")
-            .chars()
-            .flat_map(|c| if c.is_uppercase() { vec!['_', c] } else { vec![c.to_ascii_uppercase()] })
-            .collect();
-        line(&format!("COVEY{name}"), status as usize);
-    }
-    line("COVEY_SAMPLE", 0);
-    line("COVEY_ARGMAX", 1);
-    out
-}
-
-fn numbers<T: std::fmt::Display>(items: impl IntoIterator<Item = T>) -> String {
-    items.into_iter().map(|i| format!(" {i}")).collect()
-}
-
-/// What `flight.c` must print after the layout.
-fn expected_flight(file: &[u8]) -> String {
-    let actor = Actor::load(file).unwrap();
-    let mut out = String::new();
-    let mut line = |text: String| out += &(text + "\n");
-    line("covey_self_test(&actor) 33".into());
-    line("covey_content_hash(&actor) == 0 1".into());
-    line("covey_load(&actor, file, length - 1) 1".into());
-    line("covey_encode(&actor, view.observation, &own) 33".into());
-    line("covey_load(&actor, file, length) 0".into());
-    line("covey_encode(&actor, view.observation, &own) 34".into());
-    line("covey_decide(&actor, &own, 1, NULL, 0, COVEY_SAMPLE, 1, 2, 3, &decision) 34".into());
-    line("covey_self_test(&actor) 0".into());
-    line("covey_load(NULL, file, length) 32".into());
-    line("covey_encode(&actor, NULL, &own) 32".into());
-    line(format!("content hash {:016x}", actor.content_hash()));
-    line(format!("message hash {:08x}", actor.message_hash()));
-    line(format!("signature {:016x}", signature(&actor, 100)));
-    line(format!("covey_feature_width(&actor) {}", actor.dimensions().feature));
-    let tie = actor.tie_breaker(SEED, ID, STEP);
-    line(format!("covey_tie_breaker(&actor, 10, 7, 5) {tie}"));
-
-    let own = State { position: Vec2 { x: 102_400, y: 102_400 }, velocity: Vec2 { x: 2048, y: -1024 } };
-    let mut neighbours = Neighbours::new();
-    for i in (0..20).filter(|&i| i != 4) {
-        let (offset, velocity) = (Vec2 { x: 900 * i, y: -300 * i }, Vec2 { x: 10 * i, y: -20 * i });
-        neighbours.offer(Neighbour { id: 100 + i as u16, offset, velocity, tie: (3 * i - 30) as i8 });
-    }
-    let pois = (0..30).map(|i| Vec2 { x: 102_400 - 700 * i, y: 102_400 + 100 * i });
-    let observation = observe(&Scene { id: ID, own, tie, half_side: 102_400, neighbours: &neighbours }, pois);
-    let count = neighbours.as_slice().len();
-    let degree = count as u8 + 1;
-    let kept = neighbours.as_slice().iter().map(|n| n.id).chain(std::iter::repeat(0)).take(MAX_NEIGHBOURS);
-    line("covey_observe(&scene, &view) 0".into());
-    line(format!("observation{}", numbers(observation)));
-    line(format!("degree {degree} kept{}", numbers(kept)));
-    line("covey_encode(&actor, view.observation, &own) 0".into());
-    let h = actor.encode(&observation);
-    line(format!("feature{} {} {}", numbers(h.values), h.attending, h.attended));
-
-    let width = usize::from(actor.dimensions().feature);
-    let values: Vec<Vec<i8>> =
-        (0..count).map(|i| (0..width).map(|k| ((7 * i + 5 * k) % 128) as i8).collect()).collect();
-    let features = values.iter().zip(0..).map(|(values, i)| NeighbourFeature {
-        values,
-        degree: 1 + i as u8,
-        attended: 40 * i - 300,
-    });
-    let logits = actor.logits(&h, degree, features);
-    for mode in [Mode::Sample, Mode::Argmax] {
-        line("covey_decide(&actor, &own, view.degree, features, (size_t)count, mode, 10, 7, 5, &decision) 0".into());
-        let action = actor.choose(&logits, mode, SEED, ID, STEP).index();
-        line(format!("action {action} logits{}", numbers(logits)));
-    }
-    let decide =
-        |arguments: &str, status: i32| format!("covey_decide(&actor, &own, {arguments}, 10, 7, 5, &decision) {status}");
-    line(decide("1, NULL, 0, COVEY_ARGMAX", 0));
-    let alone = actor.choose(&actor.logits(&h, 1, []), Mode::Argmax, SEED, ID, STEP).index();
-    line(format!("alone {alone}"));
-    line(decide("0, NULL, 0, COVEY_ARGMAX", 36));
-    line(decide("18, NULL, 0, COVEY_ARGMAX", 36));
-    line(decide("1, NULL, 0, 2", 36));
-    line(decide("1, NULL, 1, COVEY_ARGMAX", 32));
-    line(decide("1, features, 17, COVEY_ARGMAX", 36));
-    line(decide("1, features, 1, COVEY_ARGMAX", 36));
-    line(decide("1, features, 1, COVEY_ARGMAX", 32));
-    line("covey_observe(&scene, &view) 32".into());
-    line("covey_observe(NULL, &view) 32".into());
-    line("the actor gives other logits than when it was exported: do not fly; unknown status".into());
-    out
-}
-
-#[test]
-fn a_c_program_flies_as_rust_does() {
+/// Compiles `flight.c` and links it with `library`.
+fn compile(compiler: &mut Command, library: &Path, program: &Path) {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let work = tempfile::tempdir().unwrap();
-    let program = work.path().join("flight");
-    run(compiler()
+    run(compiler
         .args(["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1", "-I"])
         .arg(here.join("include"))
         .arg(here.join("tests/flight.c"))
-        .arg(library())
-        .args(["-lpthread", "-ldl", "-lm", "-o"])
-        .arg(&program));
+        .arg(library)
+        .args(["-lm", "-o"])
+        .arg(program));
+}
+
+/// Flies one actor of each kind; `start` runs the program on the file `sample.actor` of the folder `work`.
+fn assert_flies(work: &Path, pointers: &Pointers, start: impl Fn() -> String) {
     for (aggregation, seed) in [(Aggregation::None, 1), (Aggregation::Gcn, 2), (Aggregation::Gat, 3)] {
         let file = sample_actor(aggregation, seed);
-        let path = work.path().join("sample.actor");
-        std::fs::write(&path, &file).unwrap();
-        let printed = run(Command::new(&program).arg(&path));
-        let expected = expected_layout() + &expected_flight(&file);
+        std::fs::write(work.join("sample.actor"), &file).unwrap();
+        let (printed, expected) = (start(), expected::output(pointers, &file));
         for (number, (got, want)) in printed.lines().zip(expected.lines()).enumerate() {
             assert_eq!(got, want, "line {}", number + 1);
         }
         assert_eq!(printed.lines().count(), expected.lines().count());
+    }
+}
+
+#[test]
+fn a_c_program_flies_as_rust_does() {
+    let work = tempfile::tempdir().unwrap();
+    let program = work.path().join("flight");
+    let mut compiler = Command::new(std::env::var_os("CC").unwrap_or_else(|| "cc".into()));
+    compile(compiler.args(["-pthread", "-ldl"]), &library(), &program);
+    assert_flies(work.path(), &HERE, || run(Command::new(&program).arg("sample.actor").current_dir(work.path())));
+}
+
+#[test]
+#[ignore = "needs the library, a compiler and an emulator for Cortex-M: `cargo xtask test` has them and runs this"]
+fn a_c_program_flies_on_cortex_m_as_rust_does_here() {
+    let work = tempfile::tempdir().unwrap();
+    let program = work.path().join("flight.elf");
+    compile(
+        Command::new("arm-none-eabi-gcc")
+            .args(["-mcpu=cortex-m4", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"])
+            // Files, the command line and what is printed go through the emulator.
+            .args(["--specs=picolibc.specs", "--oslib=semihost", "--crt0=semihost"])
+            // The boards' memory, as picolibc names it.
+            .args(
+                ["flash=0", "flash_size=4M", "ram=0x20000000", "ram_size=4M"].map(|it| format!("-Wl,--defsym=__{it}")),
+            )
+            .arg("-Wl,-z,noexecstack"),
+        &cortex_m_library(),
+        &program,
+    );
+    for board in ["mps2-an500", "mps2-an386"] {
+        assert_flies(work.path(), &CORTEX_M, || {
+            run(Command::new("qemu-system-arm")
+                .args(["-machine", board, "-nographic", "-monitor", "none", "-serial", "null", "-kernel"])
+                .arg(&program)
+                .args(["-semihosting-config", "enable=on,target=native,arg=sample.actor"])
+                .current_dir(work.path()))
+        });
+    }
+}
+
+#[test]
+#[ignore = "needs the library for Cortex-M: `cargo xtask test` has it and runs this"]
+fn neither_panic_nor_heap_is_left_in_the_library_for_cortex_m() {
+    let library = std::fs::read(cortex_m_library()).unwrap();
+    let holds = |name: &str| library.windows(name.len()).any(|bytes| bytes == name.as_bytes());
+    assert!(holds("covey_decide"));
+    for name in ["panic", "unwrap_failed", "__rust_alloc", "malloc"] {
+        assert!(!holds(name), "{name}");
     }
 }
 

@@ -22,6 +22,8 @@ pub enum Item {
     QemuAarch64,
     /// A C compiler and a static C library for aarch64: they link the node.
     Aarch64Gcc,
+    /// A C compiler and library for Cortex-M: flight software in C is compiled with one.
+    ArmGcc,
     /// Rust's libraries for Cortex-M and aarch64 Linux.
     RustTargets,
 }
@@ -35,6 +37,7 @@ impl Item {
         Self::QemuArm,
         Self::QemuAarch64,
         Self::Aarch64Gcc,
+        Self::ArmGcc,
         Self::RustTargets,
     ];
 
@@ -47,6 +50,7 @@ impl Item {
             Self::QemuArm => "qemu-arm",
             Self::QemuAarch64 => "qemu-aarch64",
             Self::Aarch64Gcc => "aarch64-gcc",
+            Self::ArmGcc => "arm-gcc",
             Self::RustTargets => "rust-targets",
         }
     }
@@ -60,6 +64,7 @@ impl Item {
             Self::QemuArm => "QEMU for Cortex-M boards, runs the bare-metal images",
             Self::QemuAarch64 => "QEMU for aarch64 programs, runs the companion computer's node",
             Self::Aarch64Gcc => "C compiler and static C library for aarch64, link the node",
+            Self::ArmGcc => "C compiler and library for Cortex-M, compile a C program against the C interface",
             Self::RustTargets => "Rust's libraries for Cortex-M and aarch64 Linux",
         }
     }
@@ -72,6 +77,7 @@ impl Item {
             Self::QemuArm => &["qemu-system-arm"],
             Self::QemuAarch64 => &["qemu-user-static"],
             Self::Aarch64Gcc => &["gcc-aarch64-linux-gnu", "libc6-dev-arm64-cross"],
+            Self::ArmGcc => &["gcc-arm-none-eabi", "picolibc-arm-none-eabi"],
             Self::Simlink | Self::RustTargets => &[],
         }
     }
@@ -84,14 +90,17 @@ impl Item {
             Self::Simlink => simlink::is_present(),
             Self::QemuArm => find_program(&["qemu-system-arm"]).is_some(),
             Self::QemuAarch64 => find_program(&["qemu-aarch64-static", "qemu-aarch64"]).is_some(),
-            // Of a library that it does not have, the compiler prints the bare name.
-            Self::Aarch64Gcc => Cmd::new("aarch64-linux-gnu-gcc")
-                .arg("-print-file-name=libc.a")
-                .read()
-                .is_ok_and(|file| file.trim().starts_with('/')),
+            Self::Aarch64Gcc => compiler_has("aarch64-linux-gnu-gcc", "libc.a"),
+            Self::ArmGcc => compiler_has("arm-none-eabi-gcc", "picolibc.specs"),
             Self::RustTargets => Toolchain::find().is_some(),
         }
     }
+}
+
+/// Whether there is this compiler, with this file.
+fn compiler_has(compiler: &str, file: &str) -> bool {
+    // Of a file that it does not have, it prints the bare name.
+    Cmd::new(compiler).arg(format!("-print-file-name={file}")).read().is_ok_and(|path| path.trim().starts_with('/'))
 }
 
 #[cfg(test)]

@@ -174,3 +174,18 @@ impl Image {
         Ok(Self { flight: folder.join("flight"), measure: folder.join("measure") })
     }
 }
+
+/// Builds the C interface's static library for Cortex-M as flight software links it; a test compiles a C program with it.
+///
+/// # Errors
+/// It cannot be built.
+pub fn c_library() -> Result<()> {
+    Toolchain::required()?
+        .cargo()
+        .args(["rustc", "--quiet", "--package", "covey-capi", "--profile", "firmware", "--crate-type", "staticlib"])
+        .args(["--target", CORTEX_M])
+        .arg("--target-dir")
+        .arg(work_folder().join("capi"))
+        .read()?;
+    Ok(())
+}

@@ -70,6 +70,8 @@ fn measure() -> Result<Vec<Row>> {
         rows.push(row_of(node.target(), node.profile(), actors.signature(sign)?, elf::Sizes::of(&program)?));
     }
 
+    progress("C library for Cortex-M");
+    artefacts::c_library()?;
     progress("image for STM32H743");
     let real = Image::build(artefacts::Board::Stm32h743)?;
     elf::assert_panic_free(&real.flight)?;

@@ -48,7 +48,15 @@ pub const STEPS: &[Step] = &[
     // Debug builds check for integer overflow, which the on-board arithmetic promises never to do.
     Step::cargo("core-debug", &["test", "--package", "firmware-core", "--no-fail-fast"]),
     Step { needs: targets::NEEDS, ..Step::cargo("targets", &["xtask", "targets"]) },
-    // The flight program that the step before has built flies whole worlds.
+    // The step before has built the library that the C program is linked with.
+    Step {
+        needs: &[Item::QemuArm, Item::ArmGcc],
+        ..Step::cargo(
+            "c-cortex-m",
+            &["test", "--release", "--package", "covey-capi", "--test", "c_program", "--", "--ignored"],
+        )
+    },
+    // The flight program that "targets" has built flies whole worlds.
     Step {
         needs: targets::NEEDS,
         ..Step::cargo(
