@@ -7,7 +7,7 @@ use firmware_core::link::{MAX_POIS, Refusal, VERSION};
 pub enum LinkError {
     /// The stream cannot be opened, read or written.
     #[error("the line to the board failed: {0}")]
-    Io(#[from] std::io::Error),
+    Io(std::io::Error),
     /// The stream came to its end.
     #[error("the board's end of the line was closed")]
     Closed,
@@ -39,4 +39,11 @@ pub enum LinkError {
     /// The board counts the cases of its signature otherwise.
     #[error("the board lost count of its signature at {0} cases, perhaps it restarted: start again")]
     LostCount(u32),
+}
+
+// By hand: the message holds the cause already, which is then no source as well.
+impl From<std::io::Error> for LinkError {
+    fn from(error: std::io::Error) -> Self {
+        Self::Io(error)
+    }
 }

@@ -88,8 +88,8 @@ pub enum Stage {
     SyncFolder,
 }
 
-/// A file could not be written. Says what failed and what to do; the file of
-/// that name, if there was one, is as before (except at [`Stage::SyncFolder`]).
+/// A file could not be written. Says what failed and what to do, and has what the system said as
+/// its source; the file of that name, if there was one, is as before (except at [`Stage::SyncFolder`]).
 #[derive(Debug)]
 pub struct WriteError {
     /// The file that was to be written.
@@ -121,7 +121,7 @@ impl fmt::Display for WriteError {
             Stage::Rename => "replace",
             Stage::SyncFolder => "sync the folder of",
         };
-        write!(f, "cannot {what} {}: {}. {}", self.path.display(), self.source, self.help())
+        write!(f, "cannot {what} {}. {}", self.path.display(), self.help())
     }
 }
 

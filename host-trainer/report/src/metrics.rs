@@ -21,7 +21,7 @@ use crate::atomic::advice;
 #[derive(Debug, thiserror::Error)]
 pub enum MetricsError {
     /// The file could not be opened, read or written.
-    #[error("cannot {action} the metrics file {}: {source}. {help}", path.display())]
+    #[error("cannot {action} the metrics file {}. {help}", path.display())]
     File {
         /// What was being done.
         action: &'static str,
@@ -33,7 +33,7 @@ pub enum MetricsError {
         source: io::Error,
     },
     /// A complete row is not what was asked for.
-    #[error("row {row} of {} cannot be read: {source}. Restore the file or delete that line", path.display())]
+    #[error("row {row} of {} cannot be read. Restore the file or delete that line", path.display())]
     Row {
         /// The file.
         path: PathBuf,
@@ -43,7 +43,7 @@ pub enum MetricsError {
         source: serde_json::Error,
     },
     /// A value cannot be written as JSON.
-    #[error("a row for {} cannot be written as JSON: {source}", path.display())]
+    #[error("a row for {} cannot be written as JSON", path.display())]
     Encode {
         /// The file.
         path: PathBuf,

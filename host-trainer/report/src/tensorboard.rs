@@ -29,7 +29,7 @@ const PREFIX: &str = "events.out.tfevents.";
 
 /// An event file could not be written.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot write TensorBoard events in {}: {source}. {help}", path.display())]
+#[error("cannot write TensorBoard events in {}. {help}", path.display())]
 pub struct EventError {
     /// The file or folder.
     pub path: PathBuf,

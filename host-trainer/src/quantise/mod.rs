@@ -44,10 +44,10 @@ pub enum QuantiseError {
     #[error(transparent)]
     Store(#[from] StoreError),
     /// The composed file does not load: a defect of this program.
-    #[error("the exported file does not load: {0}")]
+    #[error("the exported file does not load")]
     Load(#[from] LoadError),
     /// The composed file fails its self-test: a defect of this program.
-    #[error("the exported file fails its own test: {0}")]
+    #[error("the exported file fails its own test")]
     SelfTest(#[from] SelfTestError),
 }
 

@@ -38,7 +38,7 @@ pub enum CheckpointError {
     #[error("{0} holds no checkpoint: the run ended before its first one; delete the run folder and start it anew")]
     None(PathBuf),
     /// It cannot be read.
-    #[error("cannot read {path}: {source}")]
+    #[error("cannot read {path}")]
     Read {
         /// The file.
         path: PathBuf,
@@ -57,7 +57,7 @@ pub enum CheckpointError {
     #[error(transparent)]
     Write(#[from] atomic::WriteError),
     /// Old ones cannot be removed.
-    #[error("cannot tidy up {path}: {source}")]
+    #[error("cannot tidy up {path}")]
     Tidy {
         /// The folder.
         path: PathBuf,

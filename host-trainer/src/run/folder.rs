@@ -16,7 +16,7 @@ pub enum FolderError {
     #[error("{0} is not a run folder (it has no config.toml)")]
     NotARun(PathBuf),
     /// It cannot be made.
-    #[error("cannot make the folder {path}: {source}; choose another --out or mend its permissions")]
+    #[error("cannot make the folder {path}; choose another --out or mend its permissions")]
     Make {
         /// The folder.
         path: PathBuf,

@@ -94,6 +94,7 @@ pub fn refuse(command: &mut Command, words: &[&str]) -> Done {
         assert!(done.err.contains(word), "{command:?}: no “{word}” in: {}", done.err);
     }
     assert!(!done.err.contains("panicked"), "{command:?}: {}", done.err);
+    assert!(done.err.matches("(os error").count() <= 1, "a cause that is said twice: {}", done.err);
     done
 }
 

@@ -161,13 +161,13 @@ pub enum ReportError {
         last: usize,
     },
     /// The episode could not be encoded for the page.
-    #[error("episode data cannot be written as JSON: {0}")]
+    #[error("episode data cannot be written as JSON")]
     Encode(#[from] serde_json::Error),
     /// The page could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
     /// The folder of the page could not be made.
-    #[error("cannot make the folder {folder}: {source}. Choose another place for the report")]
+    #[error("cannot make the folder {folder}. Choose another place for the report")]
     Folder {
         /// The folder.
         folder: String,
