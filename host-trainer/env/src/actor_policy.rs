@@ -71,16 +71,8 @@ impl<'a> ActorPolicy<'a> {
     #[must_use]
     pub fn logits(&self, i: usize) -> Logits {
         let width = usize::from(self.actor.dimensions().feature);
-        let degree = |i: usize| self.links[i].count + 1;
-        let neighbours = self.links[i].as_slice().iter().map(|&j| {
-            let feature = &self.features[usize::from(j)];
-            NeighbourFeature {
-                values: &feature.values[..width],
-                degree: degree(usize::from(j)),
-                attended: feature.attended,
-            }
-        });
-        self.actor.logits(&self.features[i], degree(i), neighbours)
+        let neighbours = heard(&self.features, width, &self.links, i);
+        self.actor.logits(&self.features[i], self.links[i].count + 1, neighbours)
     }
 
     /// The action of these logits for UAV `i` at `step`.
@@ -88,6 +80,23 @@ impl<'a> ActorPolicy<'a> {
     pub fn choose(&self, logits: &Logits, i: usize, step: u32) -> Action {
         self.actor.choose(logits, self.mode, self.seed, i as u16, step)
     }
+}
+
+/// What UAV `i` hears of its neighbours when every message arrives: `features` (the first `width` numbers of each are
+/// sent) and `links` are those of all UAVs.
+///
+/// # Panics
+/// When there is no such UAV, a neighbour has no feature, or features are not so wide.
+pub fn heard<'f>(
+    features: &'f [Feature],
+    width: usize,
+    links: &'f [Links],
+    i: usize,
+) -> impl Iterator<Item = NeighbourFeature<'f>> {
+    links[i].as_slice().iter().map(move |&j| {
+        let (feature, link) = (&features[usize::from(j)], &links[usize::from(j)]);
+        NeighbourFeature { values: &feature.values[..width], degree: link.count + 1, attended: feature.attended }
+    })
 }
 
 impl Policy for ActorPolicy<'_> {

@@ -33,7 +33,7 @@ mod trace;
 mod view;
 mod world;
 
-pub use actor_policy::ActorPolicy;
+pub use actor_policy::{ActorPolicy, heard};
 pub use evaluate::{Evaluation, evaluate, evaluate_with};
 pub use metrics::EpisodeMetrics;
 pub use policy::Policy;

@@ -6,11 +6,10 @@ mod layers;
 pub use calibrate::{Ranges, Situation, calibrate};
 
 use crate::float_actor::FloatActor;
-use covey_env::{Scenario, ScenarioError};
+use covey_env::{Scenario, ScenarioError, heard};
 use firmware_core::actor::file::{Body, HEADER, StoreError, TRAILER};
 use firmware_core::actor::{
-    Actor, Aggregation, Feature, LoadError, NeighbourFeature, Provenance, SELF_TESTS, SelfTestError, argmax,
-    write_self_test,
+    Actor, Aggregation, Feature, LoadError, Provenance, SELF_TESTS, SelfTestError, argmax, write_self_test,
 };
 use firmware_core::observation;
 use layers::{Blobs, FloatLayer, Output};
@@ -172,16 +171,10 @@ fn attention(actor: &FloatActor) -> FloatLayer {
     }
 }
 
-/// Features of all UAVs of a situation and the logits of one of them.
+/// The logits of UAV `i` of a situation whose UAVs have these features.
 fn int8_logits(actor: &Actor<'_>, features: &[Feature], s: &Situation, i: usize) -> [i16; 17] {
-    let links = &s.links;
     let width = usize::from(actor.dimensions().feature);
-    let neighbours = links[i].as_slice().iter().map(|&j| NeighbourFeature {
-        values: &features[usize::from(j)].values[..width],
-        degree: links[usize::from(j)].count + 1,
-        attended: features[usize::from(j)].attended,
-    });
-    actor.logits(&features[i], links[i].count + 1, neighbours)
+    actor.logits(&features[i], s.links[i].count + 1, heard(features, width, &s.links, i))
 }
 
 /// Decisions in which the int8 actor's greatest logit is the float policy's, and all.
@@ -212,15 +205,7 @@ fn with_self_tests(body: &Body<'_>, situations: &[Situation]) -> Result<Vec<u8>,
             let blank = Feature { values: [0; 64], attending: 0, attended: 0 };
             let features: Vec<Feature> = s.observations.iter().map(|o| actor.map_or(blank, |a| a.encode(o))).collect();
             let logits = actor.map_or([0; 17], |a| int8_logits(a, &features, s, i));
-            let neighbours: Vec<NeighbourFeature<'_>> = s.links[i]
-                .as_slice()
-                .iter()
-                .map(|&j| NeighbourFeature {
-                    values: &features[usize::from(j)].values[..width],
-                    degree: s.links[usize::from(j)].count + 1,
-                    attended: features[usize::from(j)].attended,
-                })
-                .collect();
+            let neighbours: Vec<_> = heard(&features, width, &s.links, i).collect();
             let mut buffer = [0; 2048];
             let n = write_self_test(&mut buffer, &s.observations[i], s.links[i].count + 1, &neighbours, &logits);
             bytes.extend(&buffer[..n.unwrap_or(0)]);
