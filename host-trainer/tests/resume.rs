@@ -7,6 +7,7 @@ use common::{Done, assert_same, checkpoints, copy, episodes_of, finish, refuse, 
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::fd::AsRawFd;
+use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStderr, Command, Stdio};
 use tempfile::TempDir;
@@ -86,11 +87,11 @@ impl Runs {
     }
 }
 
-fn interrupted_by_ctrl_c(graph: &str) {
+fn interrupted_by(signal: i32, graph: &str) {
     let runs = runs(graph);
     let (out, mut running) = runs.start(graph);
     running.wait_for(4);
-    running.signal(libc::SIGINT);
+    running.signal(signal);
     let done = running.end();
     assert_eq!(done.code, Some(130), "{}", done.err);
     let how = format!("host-trainer train --resume {}", out.display());
@@ -101,7 +102,7 @@ fn interrupted_by_ctrl_c(graph: &str) {
     // Interrupted again after it went on (or at its end, if that comes first).
     let mut running = Running::start(resume(&out).args(["--threads", "2"]));
     running.wait_for(saved + 4);
-    running.signal(libc::SIGINT);
+    running.signal(signal);
     let again = running.end();
     assert!(matches!(again.code, Some(130 | 0)), "{:?}: {}", again.code, again.err);
     runs.check(&out);
@@ -109,17 +110,39 @@ fn interrupted_by_ctrl_c(graph: &str) {
 
 #[test]
 fn ctrl_c_without_a_graph_loses_nothing() {
-    interrupted_by_ctrl_c("none");
+    interrupted_by(libc::SIGINT, "none");
 }
 
 #[test]
-fn ctrl_c_with_gcn_loses_nothing() {
-    interrupted_by_ctrl_c("gcn");
+fn termination_with_gcn_loses_nothing() {
+    interrupted_by(libc::SIGTERM, "gcn");
 }
 
 #[test]
-fn ctrl_c_with_gat_loses_nothing() {
-    interrupted_by_ctrl_c("gat");
+fn a_lost_terminal_with_gat_loses_nothing() {
+    interrupted_by(libc::SIGHUP, "gat");
+}
+
+/// `nohup` starts its command with this signal ignored.
+#[test]
+fn a_run_without_a_terminal_goes_on_when_one_is_lost() {
+    let runs = runs("none");
+    let out = runs.folder.path().join("alone");
+    let mut command = train(&out, &SETTINGS);
+    command.args(["--graph", "none", "--threads", "1"]);
+    // SAFETY: allowed between fork and exec.
+    unsafe {
+        command.pre_exec(|| {
+            libc::signal(libc::SIGHUP, libc::SIG_IGN);
+            Ok(())
+        });
+    }
+    let mut running = Running::start(&mut command);
+    running.wait_for(4);
+    running.signal(libc::SIGHUP);
+    let done = running.end();
+    assert_eq!(done.code, Some(0), "{}", done.err);
+    assert_same(&results(&runs.whole), &results(&out), "after a signal that is ignored");
 }
 
 #[test]

@@ -17,7 +17,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Instant, SystemTime};
 
-/// Exit status of a run that Ctrl-C stopped.
+/// Exit status of a run that a signal stopped.
 const INTERRUPTED: i32 = 130;
 
 /// Trains, or goes on training.
@@ -30,7 +30,7 @@ pub fn run(args: &Train) -> Result<()> {
     if args.threads == Some(0) {
         return Err(miette!("--threads 0: use at least 1"));
     }
-    let stop = stop_on_ctrl_c()?;
+    let stop = stop_on_signals()?;
     let (folder, trainer) = if let Some(dir) = &args.resume {
         let folder = RunFolder::open(dir).into_diagnostic()?;
         let (settings, checkpoint) = folder.load().into_diagnostic()?;
@@ -70,8 +70,12 @@ fn settings(args: &Train) -> Result<Settings> {
     Ok(s)
 }
 
-/// The first Ctrl-C asks to stop at the end of the round, the second stops at once.
-fn stop_on_ctrl_c() -> Result<Arc<AtomicBool>> {
+/// The first Ctrl-C, SIGTERM or SIGHUP asks to stop at the end of the round, the second stops at once.
+fn stop_on_signals() -> Result<Arc<AtomicBool>> {
+    // `nohup` has SIGHUP ignored, and it stays so.
+    #[cfg(unix)]
+    // SAFETY: changes what a signal does, and keeps what it did.
+    let hangup = unsafe { libc::signal(libc::SIGHUP, libc::SIG_IGN) };
     let stop = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stop);
     ctrlc::set_handler(move || {
@@ -81,6 +85,11 @@ fn stop_on_ctrl_c() -> Result<Arc<AtomicBool>> {
         eprintln!("\nstopping at the end of this round; press Ctrl-C again to stop at once");
     })
     .into_diagnostic()?;
+    #[cfg(unix)]
+    if hangup == libc::SIG_IGN {
+        // SAFETY: as above.
+        unsafe { libc::signal(libc::SIGHUP, libc::SIG_IGN) };
+    }
     Ok(stop)
 }
 
