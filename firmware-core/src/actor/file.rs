@@ -270,6 +270,9 @@ pub fn at_start_of(region: &[u8]) -> &[u8] {
     region.get(..length).unwrap_or(region)
 }
 
+// The messages of `check_dimensions` say these numbers.
+const _: () = assert!(observation::LEN == 160 && MAX_ROWS == 128 && MAX_FEATURE == 64 && ACTIONS == 17);
+
 fn check_dimensions(d: Dimensions) -> Result<(), LoadError> {
     let refuse = |what, found, allowed| Err(LoadError::Dimension { what, found, allowed });
     let fits = |n: u16, max: usize| n >= 1 && usize::from(n) <= max;
