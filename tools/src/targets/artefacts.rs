@@ -110,16 +110,27 @@ impl Node {
         Ok(folder.join("sitl-bridge"))
     }
 
+    /// Lets the built `program` test an actor file.
+    ///
+    /// # Errors
+    /// It refuses the file.
+    pub fn self_test(self, program: &Path, actor: &Path) -> Result<()> {
+        self.command(program).arg("self-test").arg(actor).read().map(drop)
+    }
+
+    fn command(self, program: &Path) -> Cmd {
+        match self {
+            Self::HostDebug | Self::Host => Cmd::new(program),
+            Self::Aarch64 => Cmd::new(qemu_aarch64()).arg(program),
+        }
+    }
+
     /// The signature of an actor file by the built `program`.
     ///
     /// # Errors
     /// It fails, or prints something else.
     pub fn signature(self, program: &Path, actor: &Path) -> Result<u64> {
-        let command = match self {
-            Self::HostDebug | Self::Host => Cmd::new(program),
-            Self::Aarch64 => Cmd::new(qemu_aarch64()).arg(program),
-        };
-        let command = command.arg("signature").arg(actor);
+        let command = self.command(program).arg("signature").arg(actor);
         let printed = command.read()?;
         u64::from_str_radix(printed.trim(), 16).map_err(|_| Error::Output { command: command.to_string(), printed })
     }

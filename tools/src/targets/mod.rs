@@ -8,7 +8,7 @@ pub mod gate;
 pub mod qemu;
 pub mod row;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 use crate::setup::{self, Item};
@@ -66,7 +66,10 @@ fn measure() -> Result<Vec<Row>> {
     for node in Node::ALL {
         progress(&format!("node for {} ({})", node.target(), node.profile()));
         let program = node.build()?;
-        let sign = |actor: &PathBuf| node.signature(&program, actor);
+        let sign = |actor: &PathBuf| {
+            node.self_test(&program, actor)?;
+            node.signature(&program, actor)
+        };
         rows.push(row_of(node.target(), node.profile(), actors.signature(sign)?, elf::Sizes::of(&program)?));
     }
 
@@ -74,10 +77,10 @@ fn measure() -> Result<Vec<Row>> {
     artefacts::c_library()?;
     progress("image for STM32H743");
     let real = Image::build(artefacts::Board::Stm32h743)?;
-    elf::assert_panic_free(&real.flight)?;
+    check_program(&real.flight)?;
     progress("image for QEMU's mps2");
     let image = Image::build(artefacts::Board::Mps2)?;
-    elf::assert_panic_free(&image.flight)?;
+    check_program(&image.flight)?;
     let sizes = elf::Sizes::of(&image.flight)?;
     for machine in Machine::ALL {
         progress(&format!("{}: kernel, signature, costs, flight", machine.target()));
@@ -91,6 +94,17 @@ fn measure() -> Result<Vec<Row>> {
         rows.push(row);
     }
     Ok(rows)
+}
+
+/// Checks what holds for a flight program on any board: no panic, no heap, and no way to a deeper stack than allowed.
+fn check_program(program: &Path) -> Result<()> {
+    elf::assert_panic_free(program)?;
+    let depth = call_depth::of(program)?;
+    progress(&format!("stack, computed: {depth} bytes"));
+    if depth <= gate::STACK_LIMIT {
+        return Ok(());
+    }
+    Err(Error::elf(program, format!("its stack may take {depth} bytes, at most {}", gate::STACK_LIMIT)))
 }
 
 fn row_of(target: &str, profile: &str, signature: u64, sizes: elf::Sizes) -> Row {
