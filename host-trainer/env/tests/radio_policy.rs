@@ -1,9 +1,13 @@
 //! Worlds flown over a link: over a perfect one as without any, over a bad one by what it
 //! brings, always the same.
 
-use covey_env::radio::{DECIDE_MS, ENCODE_MS, LinkFigures, LinkSettings, RadioPolicy, evaluate_over};
-use covey_env::{ActorPolicy, Evaluation, Law, Scenario, World, evaluate};
+use covey_env::radio::{
+    DECIDE_MS, ENCODE_MS, LinkError, LinkFigures, LinkSettings, RadioObserver, RadioPolicy, evaluate_over,
+};
+use covey_env::{ActorPolicy, Evaluation, Law, Links, Observer, Scenario, World, evaluate};
+use firmware_core::action::Action;
 use firmware_core::actor::{Actor, Mode};
+use firmware_core::observation::LEN;
 use proptest::prelude::*;
 use std::path::Path;
 use std::sync::LazyLock;
@@ -158,7 +162,7 @@ fn an_episode_leaves_nothing_for_the_next() {
     let mut fly = || {
         use covey_env::Policy;
         world.reset(3, 3);
-        let mut actions = vec![firmware_core::action::Action::COAST; scenario.uavs];
+        let mut actions = vec![Action::COAST; scenario.uavs];
         policy.begin(&world);
         while !world.done() {
             policy.act(&world, &mut actions);
@@ -167,4 +171,54 @@ fn an_episode_leaves_nothing_for_the_next() {
         (world.metrics(), policy.figures())
     };
     assert_eq!(fly(), fly());
+}
+
+/// Observations and links of an episode, seen by `observe`, with random actions.
+fn seen(mut observe: impl FnMut(&World, &mut [[i8; LEN]], &mut [Links])) -> Vec<(Vec<[i8; LEN]>, Vec<Links>)> {
+    let scenario = Scenario { steps: 25, ..Scenario::default() };
+    let mut world = World::new(&scenario).unwrap();
+    world.reset(3, 3);
+    let mut all = Vec::new();
+    while !world.done() {
+        let (mut out, mut links) = (vec![[0; LEN]; scenario.uavs], vec![Links::default(); scenario.uavs]);
+        observe(&world, &mut out, &mut links);
+        all.push((out, links));
+        let step = world.steps_done() as usize;
+        let action = |i: usize| Action::new(((7 * i + step * step) % 17) as u8).unwrap();
+        world.step(&(0..scenario.uavs).map(action).collect::<Vec<_>>());
+    }
+    all
+}
+
+/// What training sees over a link is what the int8 policy sees over it, whatever its features.
+#[test]
+fn training_sees_what_flies() {
+    let mut without = Observer::new(9, 2);
+    let mut over = RadioObserver::new(20).unwrap();
+    over.begin(9, 2, &link("range_u=34")).unwrap();
+    assert_eq!(seen(|w, out, links| without.observe(w, out, links)), seen(|w, out, links| over.observe(w, out, links)));
+    let bad = link("loss=0.3,delay_ms=2000,range_u=34");
+    let mut policy = RadioPolicy::new(gcn(), 9, Mode::Sample, &bad, 20).unwrap();
+    let flown = seen(|w, out, _| {
+        policy.look(w);
+        out.copy_from_slice(policy.observations());
+    });
+    // The same draws and tie-breakers, although the link was another before.
+    over.begin(9, gcn().tie_period(), &bad).unwrap();
+    let trained = seen(|w, out, links| over.observe(w, out, links));
+    let (_, linked): (Vec<_>, Vec<_>) = trained.iter().cloned().unzip();
+    assert!(linked.iter().flatten().any(|l| l.count > 0));
+    for (step, ((flown, _), (trained, _))) in flown.iter().zip(&trained).enumerate() {
+        assert_eq!(flown, trained, "step {step}");
+    }
+    let features: usize = linked.iter().flatten().map(|l| usize::from(l.count)).sum();
+    assert_eq!(features as u64, policy.figures().features);
+}
+
+#[test]
+fn an_observer_refuses_what_cannot_be() {
+    assert_eq!(RadioObserver::new(0).unwrap_err(), LinkError::Nodes(0));
+    let mut over = RadioObserver::new(2).unwrap();
+    let bad = LinkSettings { loss: 2.0, ..LinkSettings::default() };
+    assert_eq!(over.begin(1, 1, &bad), Err(LinkError::Share { key: "loss", value: 2.0 }));
 }

@@ -4,7 +4,8 @@
 //! [`LinkSettings`] say: it loses, delays, doubles, reorders and damages them, and ends at a
 //! range. It knows nothing of what is in them, of sockets or of clocks, so tests, a bridge and
 //! an evaluation can all play the same link. [`RadioPolicy`] flies a world's UAVs as boards do:
-//! each knows the others only by the messages that such a link brings it.
+//! each knows the others only by the messages that such a link brings it. [`RadioObserver`]
+//! makes the observations that come of it, for training.
 //!
 //! What happens to a datagram is a function of the seed, the sender, the receiver and its
 //! number among those that this sender sent to this receiver: never of threads or of the order
@@ -13,10 +14,14 @@
 mod draws;
 mod figures;
 mod model;
+mod observer;
 mod policy;
 mod settings;
+mod swarm;
 
 pub use figures::{LinkFigures, OverLinkError, evaluate_over};
 pub use model::{Counts, Datagram, MAX_NODES, Radio};
-pub use policy::{DECIDE_MS, ENCODE_MS, RadioPolicy};
+pub use observer::RadioObserver;
+pub use policy::RadioPolicy;
 pub use settings::{KEYS, LinkError, LinkSettings};
+pub use swarm::{DECIDE_MS, ENCODE_MS};

@@ -151,6 +151,16 @@ impl Radio {
         self.counts = Counts::default();
     }
 
+    /// Takes other settings for what is sent from now on.
+    ///
+    /// # Errors
+    /// Settings that cannot be; the old ones stay.
+    pub fn retune(&mut self, settings: &LinkSettings) -> Result<(), LinkError> {
+        settings.validate()?;
+        self.settings.clone_from(settings);
+        Ok(())
+    }
+
     /// The settings.
     #[must_use]
     pub const fn settings(&self) -> &LinkSettings {
