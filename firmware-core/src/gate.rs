@@ -25,6 +25,7 @@ mod limits;
 mod monitor;
 mod reason;
 mod shape;
+mod signature;
 pub mod telemetry;
 mod vector;
 mod watch;
@@ -34,6 +35,7 @@ pub use inputs::{Inputs, Limited, Measured, Mode, Proposal, Request, Setpoint, V
 pub use limits::{Limits, LimitsError, SwarmLoss};
 pub use reason::{Action, Clears, Clock, Reason};
 pub use shape::ROUNDING_MM_S;
+pub use signature::{SIGNATURE_TICKS, signature};
 pub use vector::{POSITION_LIMIT_MM, RATE_LIMIT, Vector};
 
 use bounds::Bounds;

@@ -55,7 +55,7 @@ impl Bench {
     pub fn in_takeoff(limits: Limits) -> Self {
         let mut bench = Self::new(limits);
         bench.inputs.operator = Some(Request::Start);
-        bench.run(bench.gate.limits().clear_ms + TICK_MS);
+        let _ = bench.run(bench.gate.limits().clear_ms + TICK_MS);
         (bench.inputs.mode, bench.inputs.armed) = (Mode::Guided, true);
         assert_eq!(bench.tick(), Verdict::BringUp(None));
         bench
@@ -68,7 +68,7 @@ impl Bench {
         if let Some(state) = &mut bench.inputs.state {
             state.altitude_mm = ALTITUDE_MM;
         }
-        bench.run(4000);
+        let _ = bench.run(4000);
         assert_eq!(bench.gate.phase(), Phase::Flight);
         assert!(matches!(bench.tick(), Verdict::Stream(_)));
         bench

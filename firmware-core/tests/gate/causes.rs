@@ -172,7 +172,7 @@ fn causes_end_as_stated() {
         }
         while suffer(&mut bench, cause).reason() != Some(cause) {}
         for _ in 0..10 {
-            suffer(&mut bench, cause);
+            let _ = suffer(&mut bench, cause);
         }
         end(&mut bench, cause);
         let clear_ms = bench.gate.limits().clear_ms;
@@ -202,7 +202,7 @@ fn what_only_the_operator_clears_he_does_clear() {
         while suffer(&mut bench, cause).reason() != Some(cause) {}
         end(&mut bench, cause);
         for _ in 0..50 {
-            recover(&mut bench);
+            let _ = recover(&mut bench);
         }
         bench.inputs.operator = Some(Request::Start);
         let flies = (0..50).any(|_| matches!(recover(&mut bench), Verdict::Stream(_)));
@@ -235,7 +235,7 @@ fn a_stop_that_lasts_ends_by_the_operator_only() {
         begin(&mut bench, cause);
         let ticks = (bench.gate.limits().release_ms + 5000) / TICK_MS;
         for _ in 0..ticks {
-            suffer(&mut bench, cause);
+            let _ = suffer(&mut bench, cause);
         }
         assert!(matches!(bench.gate.phase(), Phase::Idle(_)), "{cause:?}");
         end(&mut bench, cause);

@@ -42,7 +42,7 @@ fn a_vehicle_that_hovers_in_guided_is_taken_over_in_the_air() {
     let mut bench = Bench::new(Limits::default());
     (bench.inputs.mode, bench.inputs.armed, bench.inputs.airborne) = (Mode::Guided, true, true);
     bench.inputs.state.as_mut().unwrap().altitude_mm = ALTITUDE_MM;
-    bench.run(3000);
+    let _ = bench.run(3000);
     bench.inputs.operator = Some(Request::Start);
     assert!(matches!(bench.tick(), Verdict::Stream(_)));
 }
@@ -65,7 +65,7 @@ fn waiting_for_the_first_word_of_the_vehicle_takes_no_time() {
     bench.inputs.operator = Some(Request::Start);
     assert_eq!(bench.run(100_000), Verdict::Silent(Reason::LinkLost));
     bench.linked = true;
-    bench.run(2400);
+    let _ = bench.run(2400);
     assert_eq!(bench.tick(), Verdict::BringUp(None));
 }
 
@@ -81,7 +81,7 @@ fn the_pilot_keeps_the_vehicle() {
         assert_eq!(bench.run(60_000), Verdict::Silent(Reason::ModeLeft));
         bench.inputs.operator = Some(Request::Start);
         bench.inputs.airborne = true;
-        bench.run(1000);
+        let _ = bench.run(1000);
         assert_eq!(bench.gate.phase(), Phase::Flight);
     }
 }
@@ -90,7 +90,7 @@ fn the_pilot_keeps_the_vehicle() {
 fn after_a_request_the_mode_may_be_anything_until_it_is_guided() {
     let mut bench = Bench::new(Limits::default());
     bench.inputs.operator = Some(Request::Start);
-    bench.run(2400);
+    let _ = bench.run(2400);
     for mode in [Mode::Other, Mode::Unknown, Mode::Other] {
         bench.inputs.mode = mode;
         assert_eq!(bench.run(5000), Verdict::BringUp(None));
@@ -167,7 +167,7 @@ fn alone_it_flies_on_unless_told_to_hold() {
 fn a_vehicle_that_hovers_is_not_frozen() {
     let mut bench = Bench::in_flight(Limits::default());
     bench.deciding = false;
-    let mut still = |bench: &mut Bench| {
+    let still = |bench: &mut Bench| {
         bench.inputs.proposal =
             Some(Proposal { decided_ms: bench.clock_ms, altitude_mm: ALTITUDE_MM, ..Proposal::default() });
         bench.tick()

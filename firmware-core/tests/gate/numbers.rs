@@ -1,6 +1,7 @@
-//! Telemetry's floats.
+//! Telemetry's floats, and the number that says "still the same gate".
 
 use firmware_core::gate::telemetry::{Refused, millimetres, millimetres_per_second};
+use firmware_core::gate::{SIGNATURE_TICKS, signature};
 use proptest::prelude::*;
 
 #[test]
@@ -28,4 +29,10 @@ proptest! {
             Err(Refused::OutOfRange) => prop_assert!(v.abs() >= 99_999.0),
         }
     }
+}
+
+/// Changes on purpose only, and is the same on every target (`cargo xtask targets`).
+#[test]
+fn the_signature_is_still_the_same() {
+    assert_eq!(format!("{:016x}", signature(SIGNATURE_TICKS)), "ea8866c408566337");
 }

@@ -204,7 +204,7 @@ impl Rules {
         }
         self.ours &= inputs.self_test;
         self.ours &= !(self.guided && inputs.mode == Mode::Other);
-        self.ours &= !(self.armed && !inputs.armed);
+        self.ours &= inputs.armed || !self.armed;
         self.guided |= self.ours && inputs.mode == Mode::Guided;
         self.armed |= self.ours && inputs.armed;
 

@@ -81,10 +81,13 @@ fn measure() -> Result<Vec<Row>> {
     progress("image for QEMU's mps2");
     let image = Image::build(artefacts::Board::Mps2)?;
     check_program(&image.flight)?;
+    // With the safety gate in it.
+    elf::assert_panic_free(&image.measure)?;
     let sizes = elf::Sizes::of(&image.flight)?;
     for machine in Machine::ALL {
-        progress(&format!("{}: kernel, signature, costs, flight", machine.target()));
+        progress(&format!("{}: kernel, gate, signature, costs, flight", machine.target()));
         machine.check_kernel(&image, KERNEL_CASES)?;
+        machine.check_gate(&image)?;
         let signature = actors.signature(|actor| machine.signature(&image, actor, SIGNATURE_CASES))?;
         let mut row = row_of(machine.target(), "release", signature, sizes);
         let (gcn, gat) = (machine.costs(&image, &actors.gcn)?, machine.costs(&image, &actors.gat)?);

@@ -54,6 +54,20 @@ impl Machine {
         self.measure(image, None, &["kernel", &cases.to_string()], false).map(|_| ())
     }
 
+    /// Compares the safety gate's verdicts with this computer's.
+    ///
+    /// # Errors
+    /// They differ, or the run failed.
+    pub fn check_gate(self, image: &Image) -> Result<()> {
+        let ticks = firmware_core::gate::SIGNATURE_TICKS;
+        let results = self.measure(image, None, &["gate", &ticks.to_string()], false)?;
+        let (board, here) = (results.number("signature", 16)?, firmware_core::gate::signature(ticks));
+        if board == here {
+            return Ok(());
+        }
+        Err(Error::Figures(format!("{}: the gate's signature is {board:016x}, here it is {here:016x}", self.target())))
+    }
+
     /// The signature of an actor.
     ///
     /// # Errors

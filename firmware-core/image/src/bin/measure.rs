@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `signature CASES` | `signature` of the actor file, after its self-test |
 //! | `costs` | exact instruction counts and stack use of the actor's parts, with `-icount shift=10` |
+//! | `gate TICKS` | `signature` of the safety gate |
 //! | `kernel CASES` | `cases` of the assembly kernel found equal to its portable twin |
 //!
 //! Each result is a line of a name and a number. Anything wrong is a line `error …` and a bad exit code.
@@ -14,6 +15,7 @@ use cortex_m_rt::entry;
 use covey_image::actor_file::actor_file;
 use covey_image::measure::{console, costs, kernel};
 use firmware_core::actor::{Actor, signature};
+use firmware_core::gate;
 
 #[entry]
 fn main() -> ! {
@@ -23,6 +25,10 @@ fn main() -> ! {
     let done = match words.next() {
         Some(b"signature") => sign(number(words.next())),
         Some(b"costs") => sound_actor().map(|actor| costs::print(&actor)),
+        Some(b"gate") => {
+            console::result_hex(b"signature", gate::signature(number(words.next())));
+            Ok(())
+        }
         Some(b"kernel") => kernel::check(number(words.next())),
         _ => Err("unknown command"),
     };
