@@ -117,11 +117,7 @@ impl Frame {
     /// Which message it carries, 0 to 2²⁴ − 1.
     #[must_use]
     pub const fn message_id(&self) -> u32 {
-        let b = &self.bytes;
-        match self.version() {
-            Version::V1 => b[5] as u32,
-            Version::V2 => u32::from_le_bytes([b[7], b[8], b[9], 0]),
-        }
+        message_id(&self.bytes)
     }
 
     /// The payload as it was sent: MAVLink 2 leaves out zeros at its end.
@@ -225,6 +221,14 @@ impl Frame {
             Version::V1 => HEADER_V1,
             Version::V2 => HEADER_V2,
         }
+    }
+}
+
+/// The message id in the header of a frame; `bytes` hold one.
+const fn message_id(bytes: &[u8]) -> u32 {
+    match bytes[0] {
+        MAGIC_V1 => bytes[5] as u32,
+        _ => u32::from_le_bytes([bytes[7], bytes[8], bytes[9], 0]),
     }
 }
 

@@ -5,7 +5,7 @@ use crc::{CRC_16_MCRF4XX, Crc, Table};
 use mavlink::Message as _;
 use mavlink::dialects::common::MavMessage;
 
-const CRC: Crc<u16, Table<16>> = Crc::<u16, Table<16>>::new(&CRC_16_MCRF4XX);
+static CRC: Crc<u16, Table<16>> = Crc::<u16, Table<16>>::new(&CRC_16_MCRF4XX);
 
 /// (message id, extra byte) of ardupilotmega.xml and what it includes beyond the common set.
 /// ArduPilot sends many of them unasked; knowing the byte is enough to step over them safely.
@@ -28,8 +28,9 @@ const ARDUPILOT: [(u32, u8); 91] = [
 /// ArduPilot's.
 #[must_use]
 pub fn crc_extra(message_id: u32) -> Option<u8> {
-    // No message of the common set has the extra byte 0, which stands for "unknown" here.
     match MavMessage::extra_crc(message_id) {
+        // Unknown to the common set, or one whose extra byte is 0 (COMPONENT_INFORMATION).
+        0 if MavMessage::default_message_from_id(message_id).is_some() => Some(0),
         0 => ARDUPILOT.binary_search_by_key(&message_id, |&(id, _)| id).ok().map(|at| ARDUPILOT[at].1),
         extra => Some(extra),
     }
@@ -50,8 +51,10 @@ mod tests {
     #[test]
     fn the_table_can_be_searched_and_adds_to_the_common_set() {
         assert!(ARDUPILOT.is_sorted_by_key(|&(id, _)| id));
-        assert!(ARDUPILOT.iter().all(|&(id, extra)| MavMessage::extra_crc(id) == 0 && crc_extra(id) == Some(extra)));
-        assert_eq!([0, 33, 248, 193, 17_000_000].map(crc_extra), [Some(50), Some(104), Some(8), Some(71), None]);
+        let common = |id| MavMessage::default_message_from_id(id).is_some();
+        assert!(ARDUPILOT.iter().all(|&(id, extra)| !common(id) && crc_extra(id) == Some(extra)));
+        assert_eq!([0, 33, 248, 193].map(crc_extra), [Some(50), Some(104), Some(8), Some(71)]);
+        assert_eq!([395, 3, 60_000, u32::MAX].map(crc_extra), [Some(0), None, None, None]);
     }
 
     /// The check value of this CRC in every catalogue.

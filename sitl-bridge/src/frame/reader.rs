@@ -6,7 +6,7 @@
 
 use super::{
     CHECKSUM, Counts, FLAG_SIGNED, Frame, HEADER_V1, HEADER_V2, MAGIC_V1, MAGIC_V2, MAX_LEN, Rejected, SIGNATURE,
-    checksum, crc_extra,
+    checksum, crc_extra, message_id,
 };
 
 /// How bytes arrive.
@@ -165,20 +165,21 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Frame, NoFrame> {
         }
         [MAGIC_V2, _, FLAG_SIGNED, ..] => (HEADER_V2, SIGNATURE),
         [MAGIC_V2, ..] => (HEADER_V2, 0),
+        [] => return Err(NoFrame::Short),
         _ => return Err(NoFrame::Not(Rejected::Garbage, 1)),
     };
     let payload = usize::from(*bytes.get(1).ok_or(NoFrame::Short)?);
     let end = header + payload;
     let len = end + CHECKSUM + signature;
     let whole = bytes.get(..len).ok_or(NoFrame::Short)?;
-    let mut frame = Frame { bytes: [0; MAX_LEN], len, checked: false };
-    frame.bytes[..len].copy_from_slice(whole);
-    if let Some(extra) = crc_extra(frame.message_id()) {
+    let extra = crc_extra(message_id(whole));
+    if let Some(extra) = extra {
         let sum = u16::from_le_bytes([whole[end], whole[end + 1]]);
         if checksum::checksum(&whole[1..end], extra) != sum {
             return Err(NoFrame::Not(Rejected::BadChecksum, len));
         }
-        frame.checked = true;
     }
+    let mut frame = Frame { bytes: [0; MAX_LEN], len, checked: extra.is_some() };
+    frame.bytes[..len].copy_from_slice(whole);
     Ok(frame)
 }

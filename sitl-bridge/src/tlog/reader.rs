@@ -30,6 +30,13 @@ pub struct TlogReader<R> {
     cut: bool,
 }
 
+impl Record {
+    /// What it takes in the tlog, bytes.
+    fn len(&self) -> usize {
+        TIME + self.frame.bytes().len()
+    }
+}
+
 impl TlogReader<File> {
     /// Opens a file.
     ///
@@ -67,22 +74,16 @@ impl<R: Read> TlogReader<R> {
             }
             let rest = &self.buffer[self.at..];
             match record(rest) {
-                Ok(record) => {
-                    self.at += TIME + record.frame.bytes().len();
+                Ok(record) if record.frame.is_checked() || stands(rest, record.len()) => {
+                    self.at += record.len();
                     return Ok(Some(record));
                 }
-                Err(NoRecord::Cut) => {
-                    // No whole record may hide in what looks like the beginning of one.
-                    let whole = |at: &usize| record(&rest[*at..]).is_ok_and(|r| r.frame.is_checked());
-                    let Some(at) = (1..rest.len()).find(whole) else {
-                        self.cut = !rest.is_empty();
-                        self.at = self.buffer.len();
-                        return Ok(None);
-                    };
-                    self.skipped += at as u64;
-                    self.at += at;
+                Err(NoFrame::Short) if hidden(rest, rest.len()).is_none() => {
+                    self.cut = !rest.is_empty();
+                    self.at = self.buffer.len();
+                    return Ok(None);
                 }
-                Err(NoRecord::Garbage) => {
+                _ => {
                     self.skipped += 1;
                     self.at += 1;
                 }
@@ -115,28 +116,21 @@ impl<R: Read> Iterator for TlogReader<R> {
     }
 }
 
-/// Why no record begins here.
-enum NoRecord {
-    /// All there is may be the beginning of one.
-    Cut,
-    Garbage,
+/// The record at the beginning of `bytes`. It is [`NoFrame::Short`] only near the end of the
+/// tlog: more bytes than that are always there.
+fn record(bytes: &[u8]) -> Result<Record, NoFrame> {
+    let (time, rest) = bytes.split_first_chunk::<TIME>().ok_or(NoFrame::Short)?;
+    frame::parse(rest).map(|frame| Record { unix_us: u64::from_be_bytes(*time), frame })
 }
 
-fn record(bytes: &[u8]) -> Result<Record, NoRecord> {
-    let (time, rest) = bytes.split_first_chunk::<TIME>().ok_or(NoRecord::Cut)?;
-    match frame::parse(rest) {
-        Ok(frame) if frame.is_checked() || goes_on(&rest[frame.bytes().len()..]) => {
-            Ok(Record { unix_us: u64::from_be_bytes(*time), frame })
-        }
-        Err(NoFrame::Short) => Err(NoRecord::Cut),
-        _ => Err(NoRecord::Garbage),
-    }
+/// Whether `len` bytes that look like a record with an unknown message are one: nothing sound
+/// begins inside, and the end or another record follows.
+fn stands(bytes: &[u8], len: usize) -> bool {
+    let goes_on = !matches!(record(&bytes[len..]), Err(NoFrame::Not(..)));
+    goes_on && hidden(bytes, len).is_none()
 }
 
-/// Whether this can be what follows a record: nothing, or another one.
-fn goes_on(bytes: &[u8]) -> bool {
-    match bytes.split_first_chunk::<TIME>() {
-        None => bytes.is_empty(),
-        Some((_, rest)) => !matches!(frame::parse(rest), Err(NoFrame::Not(..))),
-    }
+/// The first sound record that begins within `len` bytes, but not at their beginning.
+fn hidden(bytes: &[u8], len: usize) -> Option<usize> {
+    (1..len).find(|&at| record(&bytes[at..]).is_ok_and(|record| record.frame.is_checked()))
 }
