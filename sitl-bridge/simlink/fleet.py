@@ -58,6 +58,8 @@ class Fleet:
         while not self.stopped:
             self.tick()
             self._wait()
+            if self._on_tick is not None:
+                self._on_tick(self)
         self.report("stats", **self.stats())
 
     def tick(self) -> None:
@@ -74,8 +76,6 @@ class Fleet:
         for index, vehicle in enumerate(self.vehicles):
             for frame in vehicle.telemetry():
                 self._hub.send(index, frame)
-        if self._on_tick is not None:
-            self._on_tick(self)
 
     def _truth(self) -> None:
         if self._step < 0:
@@ -111,7 +111,7 @@ class Fleet:
         go_on = self._pace(began)
         first = True
         while not self.stopped:
-            waiting = {vehicle for vehicle in waiting if vehicle.autopilot.setpoint_ms != self.t_ms}
+            waiting = {vehicle for vehicle in waiting if self._is_owed(vehicle)}
             now = hub.now()
             if waiting and now >= give_up:
                 self._report_late(waiting)
@@ -132,6 +132,10 @@ class Fleet:
             for vehicle in self.vehicles
             if vehicle.awaits_setpoint and vehicle.autopilot.is_streaming and vehicle not in self._late
         }
+
+    def _is_owed(self, vehicle: Vehicle) -> bool:
+        """It streams, and has no setpoint since this tick's telemetry."""
+        return vehicle.autopilot.is_streaming and vehicle.autopilot.setpoint_ms != self.t_ms
 
     def _pace(self, now: float) -> float:
         """When the wall clock lets the next tick begin."""

@@ -1,5 +1,6 @@
 """`python -m simlink.tests`: all tests, with a closing line like cargo's, which the test run counts."""
 
+import logging
 import sys
 import unittest
 from pathlib import Path
@@ -7,6 +8,7 @@ from pathlib import Path
 
 def main() -> int:
     """Runs them; returns the exit status."""
+    logging.disable()
     here = Path(__file__).parent
     suite = unittest.defaultTestLoader.discover(str(here), top_level_dir=str(here.parent.parent))
     runner = unittest.TextTestRunner(stream=sys.stdout, verbosity=2)

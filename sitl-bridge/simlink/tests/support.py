@@ -53,7 +53,7 @@ class Controller:
         self.texts: list[str] = []
         self.acks: list[tuple[int, int]] = []
         self.seen: dict[int, list[int]] = {}
-        self._asked = False
+        self._asked = self._was_up = False
         self._heartbeat_ms = -10_000
 
     def take(self, frame: bytes) -> list[bytes]:
@@ -110,7 +110,8 @@ class Controller:
     @property
     def airborne(self) -> bool:
         position = self.last.get("GLOBAL_POSITION_INT")
-        return position is not None and position.relative_alt > (self.height - 0.5) * 1000
+        self._was_up |= position is not None and position.relative_alt > (self.height - 0.5) * 1000
+        return self._was_up
 
     @property
     def mode(self) -> int:
@@ -153,12 +154,14 @@ class Flight:
         self.hub.controllers = list(controllers)
         self.controllers = controllers
         self.until: Callable[[], bool] = lambda: True
+        self.each_tick: Callable[[], None] = lambda: None
         self.fleet = Fleet(config.read(raw), self.hub, self._event, key=fields.get("key"), on_tick=self._on_tick)
 
     def _event(self, event: str, **fields: Any) -> None:
         self.events.append({"event": event, **fields})
 
     def _on_tick(self, fleet: Fleet) -> None:
+        self.each_tick()
         if self.until():
             fleet.stopped = True
 
