@@ -55,12 +55,14 @@ class Fleet:
         """Flies until somebody stops it."""
         self.report("ready", vehicles=len(self.vehicles))
         self._truth()
-        while not self.stopped:
-            self.tick()
-            self._wait()
-            if self._on_tick is not None:
-                self._on_tick(self)
-        self.report("stats", **self.stats())
+        try:
+            while not self.stopped:
+                self.tick()
+                self._wait()
+                if self._on_tick is not None:
+                    self._on_tick(self)
+        finally:
+            self.report("stats", **self.stats())
 
     def tick(self) -> None:
         """Lets one tick pass and sends what is due."""

@@ -90,6 +90,12 @@ class UdpHub:
         *lines, self._line = (self._line + chunk).split(b"\n")
         return list(lines)
 
+    def __enter__(self) -> "UdpHub":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
     def close(self) -> None:
         """Closes all sockets."""
         self._poll.close()
