@@ -58,7 +58,9 @@ class Endpoint:
         stream = (frame[-13], frame[5], frame[6]) if frame[0] == _V2 and frame[2] & _SIGNED else None
         before = streams.get(stream)
         try:
-            return self._mav.decode(bytearray(frame))
+            message = self._mav.decode(bytearray(frame))
+            # Of a message it does not know pymavlink cannot check anything.
+            return None if isinstance(message, mavlink.MAVLink_unknown) else message
         except mavlink.MAVError as error:
             if "signature" not in str(error):
                 self.damaged += 1

@@ -141,10 +141,10 @@ class Fleet:
 
     def _pace(self, now: float) -> float:
         """When the wall clock lets the next tick begin."""
-        if self.config.lockstep and not any(self._needs_wall_clock(vehicle) for vehicle in self.vehicles):
-            self._next_tick = now
-            return now
-        self._next_tick = max(self._next_tick, now - _CATCH_UP_S) + self.config.tick_ms / 1000.0 / self.speed
+        tick_s = self.config.tick_ms / 1000.0 / self.speed
+        if self.config.lockstep:
+            return now + tick_s if any(self._needs_wall_clock(vehicle) for vehicle in self.vehicles) else now
+        self._next_tick = max(self._next_tick, now - _CATCH_UP_S) + tick_s
         return self._next_tick
 
     def _needs_wall_clock(self, vehicle: Vehicle) -> bool:

@@ -1,7 +1,7 @@
 """Judges what is said on a swarm link: form, sequence, steps, motion, one policy for all."""
 
 import math
-from collections import Counter
+from collections import Counter, deque
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,6 +15,7 @@ FASTEST_U = 6.0
 JUMP_U = 2.0
 """What a position may be off besides."""
 _KEPT_PROBLEMS = 100
+_REMEMBERED = 256
 
 
 @dataclass
@@ -28,8 +29,8 @@ class Sender:
     last: dict[type, Message] = field(default_factory=dict)
     first_step: int | None = None
     last_step: int | None = None
-    beacon_steps: set[int] = field(default_factory=set)
-    feature_steps: Counter = field(default_factory=Counter)
+    beacon_steps: deque[int] = field(default_factory=lambda: deque(maxlen=_REMEMBERED))
+    feature_steps: deque[int] = field(default_factory=lambda: deque(maxlen=_REMEMBERED))
 
 
 class Checker:
@@ -77,7 +78,7 @@ class Checker:
         if isinstance(message, Beacon):
             sender.beacons += 1
             self._judge_beacon(sender, message)
-            sender.beacon_steps.add(message.step)
+            sender.beacon_steps.append(message.step)
         else:
             sender.features += 1
             self._judge_feature(sender, message)
@@ -125,9 +126,9 @@ class Checker:
             self._wrong("foreign_actor", f"UAV {feature.id}: actor {feature.actor:08x}")
         if len(self.widths) > 1 and len(feature.values) != self.widths.most_common(1)[0][0]:
             self._wrong("foreign_width", f"UAV {feature.id}: {len(feature.values)} values")
-        sender.feature_steps[feature.step] += 1
-        if sender.feature_steps[feature.step] > 1:
+        if feature.step in sender.feature_steps:
             self._wrong("second_feature", f"UAV {feature.id}: two features of step {feature.step}")
+        sender.feature_steps.append(feature.step)
         last = sender.last.get(Feature)
         if last is not None and _ahead(feature.step, last.step) < 0:
             self._wrong("step_back", f"UAV {feature.id}: step {feature.step} after {last.step}")

@@ -5,6 +5,7 @@ that step and time, at the first feature its own feature. So it keeps up with a 
 """
 
 import random
+from collections import deque
 from dataclasses import dataclass, field
 
 from simlink.endpoint import Endpoint
@@ -50,7 +51,7 @@ class Ghost:
         self._random = random.Random(self.seed)
         self._endpoint = frames.endpoint_of(self.id, None if self.kind == "unsigned" else self.key)
         self._hears = Endpoint(255, frames.COMPONENT, self.key)
-        self._own: set[bytes] = set()
+        self._own: deque[bytes] = deque(maxlen=64)
 
     def hear(self, datagram: bytes) -> list[bytes]:
         """What it answers to a datagram."""
@@ -64,8 +65,7 @@ class Ghost:
                 continue
             if message is not None:
                 out += self._answer(message, bytes(frame.get_msgbuf()))
-        # Recognised when they come back by multicast.
-        self._own = set(out) | set(list(self._own)[-64:])
+        self._own.extend(out)  # to know them when they come back by multicast
         return out
 
     def _answer(self, message: Message, frame: bytes) -> list[bytes]:
@@ -74,6 +74,9 @@ class Ghost:
         if self.kind == "corrupt":
             return [self._corrupted(frame)]
         if isinstance(message, Beacon):
+            if self.kind == "id-collision" and message.id == self.id:
+                # Behind the true one it would only be taken for late.
+                self._sequence = message.sequence
             if self._step is not None and message.step <= self._step:
                 return []
             self._step = message.step
