@@ -9,6 +9,7 @@
 
 pub mod connection;
 pub mod frame;
+pub mod mission;
 pub mod signing;
 pub mod swarm_link;
 pub mod tlog;

@@ -1,0 +1,255 @@
+//! From degrees to the map and back.
+//!
+//! The swarm agrees on one origin, the map's south-west corner. Around it the earth is
+//! taken as flat: metres per degree of the WGS 84 ellipsoid at the origin's latitude. Over
+//! a map of 500 m at 60° that bends a true distance by less than 5 cm, and what counts is
+//! that all UAVs bend it alike.
+
+use firmware_core::geometry::{TICKS_PER_U, Vec2};
+use thiserror::Error;
+
+/// Positions farther than this from the origin are of no mission, mm.
+pub const REACH_MM: f64 = 20_000_000.0;
+/// Least distance of the origin to the date line and to the poles: the reach, roughly.
+const MARGIN_DEG: f64 = 1.0;
+/// The plane's error grows towards the poles.
+const LATITUDE_LIMIT_DEG: f64 = 80.0;
+const UNITS_PER_DEG: f64 = 1e7;
+
+/// An origin around which no map is laid.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum OriginError {
+    /// Not a latitude, or too near to a pole.
+    #[error("latitude {0}; use one between -80 and 80 degrees")]
+    Latitude(f64),
+    /// Not a longitude.
+    #[error("longitude {0}; use one between -180 and 180 degrees")]
+    Longitude(f64),
+    /// Longitudes jump from 180 to -180 on the map.
+    #[error(
+        "longitude {0} is within a degree of the date line, where longitudes jump; missions there are not supported"
+    )]
+    DateLine(f64),
+    /// Not an altitude.
+    #[error("altitude {0} m; use one between -500 and 9000 m above mean sea level")]
+    Altitude(f64),
+}
+
+/// The tangent plane of a mission.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    /// Latitude of the origin, 1e-7 degrees.
+    pub lat_e7: i32,
+    /// Longitude of the origin, 1e-7 degrees.
+    pub lon_e7: i32,
+    /// Altitude of the origin above mean sea level, mm.
+    pub alt_mm: i32,
+    /// Millimetres in 1e-7 degrees of latitude and of longitude.
+    mm_per_lat: f64,
+    mm_per_lon: f64,
+}
+
+/// A place on the plane: mm east and north of the origin.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Place {
+    /// East, mm.
+    pub east_mm: f64,
+    /// North, mm.
+    pub north_mm: f64,
+}
+
+impl Plane {
+    /// The plane at an origin in degrees and metres above mean sea level.
+    ///
+    /// # Errors
+    /// See [`OriginError`].
+    pub fn new(lat: f64, lon: f64, alt_m: f64) -> Result<Self, OriginError> {
+        if !(-LATITUDE_LIMIT_DEG..=LATITUDE_LIMIT_DEG).contains(&lat) {
+            return Err(OriginError::Latitude(lat));
+        }
+        if !(-180.0..=180.0).contains(&lon) {
+            return Err(OriginError::Longitude(lon));
+        }
+        if lon.abs() > 180.0 - MARGIN_DEG {
+            return Err(OriginError::DateLine(lon));
+        }
+        if !(-500.0..=9000.0).contains(&alt_m) {
+            return Err(OriginError::Altitude(alt_m));
+        }
+        let (lat_e7, lon_e7) = (to_e7(lat), to_e7(lon));
+        let [mm_per_lat, mm_per_lon] = mm_per_unit(f64::from(lat_e7) / UNITS_PER_DEG);
+        // At most 9,000,000.
+        Ok(Self { lat_e7, lon_e7, alt_mm: (alt_m * 1000.0).round() as i32, mm_per_lat, mm_per_lon })
+    }
+
+    /// Where a latitude and longitude (1e-7 degrees) lie; `None` beyond [`REACH_MM`].
+    #[must_use]
+    pub fn place(&self, lat_e7: i32, lon_e7: i32) -> Option<Place> {
+        let units = |a: i32, b: i32| (i64::from(a) - i64::from(b)) as f64;
+        let place = Place {
+            east_mm: units(lon_e7, self.lon_e7) * self.mm_per_lon,
+            north_mm: units(lat_e7, self.lat_e7) * self.mm_per_lat,
+        };
+        let near = |mm: f64| mm.abs() <= REACH_MM;
+        (near(place.east_mm) && near(place.north_mm)).then_some(place)
+    }
+
+    /// Latitude and longitude of a place, 1e-7 degrees, rounded to the nearest.
+    #[must_use]
+    pub fn degrees_e7(&self, place: Place) -> (i32, i32) {
+        let units = |mm: f64, per: f64, from: i32| (f64::from(from) + (mm / per).round()) as i32;
+        (units(place.north_mm, self.mm_per_lat, self.lat_e7), units(place.east_mm, self.mm_per_lon, self.lon_e7))
+    }
+
+    /// Latitude and longitude of the origin, degrees.
+    #[must_use]
+    pub fn origin_degrees(&self) -> (f64, f64) {
+        (f64::from(self.lat_e7) / UNITS_PER_DEG, f64::from(self.lon_e7) / UNITS_PER_DEG)
+    }
+}
+
+/// Degrees to 1e-7 degrees; `degrees` lies within ±180.
+#[must_use]
+pub fn to_e7(degrees: f64) -> i32 {
+    (degrees * UNITS_PER_DEG).round() as i32
+}
+
+/// Millimetres in 1e-7 degrees of latitude and of longitude: radii of curvature of the WGS 84
+/// ellipsoid in the meridian and across it.
+fn mm_per_unit(lat: f64) -> [f64; 2] {
+    const A_M: f64 = 6_378_137.0;
+    const E2: f64 = 6.694_379_990_141_316e-3;
+    let (sin, cos) = lat.to_radians().sin_cos();
+    let w = 1.0 - E2 * sin * sin;
+    let across = A_M / w.sqrt();
+    let meridian = across * (1.0 - E2) / w;
+    [meridian, across * cos].map(|radius_m| radius_m * 1000.0 * (1.0 / UNITS_PER_DEG).to_radians())
+}
+
+/// Lengths and times of the map: how many metres a unit and seconds a step has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
+    /// Metres in a map unit.
+    pub unit_m: f64,
+    /// Milliseconds in a step.
+    pub step_ms: u16,
+}
+
+impl Scale {
+    /// Seconds in a step.
+    #[must_use]
+    pub fn step_s(&self) -> f64 {
+        f64::from(self.step_ms) / 1000.0
+    }
+
+    /// Metres to ticks, to the nearest, halves away from zero. Not-a-number becomes 0: callers
+    /// refuse it first.
+    #[must_use]
+    pub fn ticks(&self, metres: f64) -> i32 {
+        (metres / self.unit_m * f64::from(TICKS_PER_U)).round() as i32
+    }
+
+    /// A place to map ticks.
+    #[must_use]
+    pub fn position(&self, place: Place) -> Vec2 {
+        Vec2::from_ticks(self.ticks(place.east_mm / 1000.0), self.ticks(place.north_mm / 1000.0))
+    }
+
+    /// Map ticks to a place.
+    #[must_use]
+    pub fn place(&self, position: Vec2) -> Place {
+        let mm = |ticks: i32| f64::from(ticks) / f64::from(TICKS_PER_U) * self.unit_m * 1000.0;
+        Place { east_mm: mm(position.x), north_mm: mm(position.y) }
+    }
+
+    /// A velocity east and north, m/s, to ticks a step.
+    #[must_use]
+    pub fn velocity(&self, east_mps: f64, north_mps: f64) -> Vec2 {
+        let step_s = self.step_s();
+        Vec2::from_ticks(self.ticks(east_mps * step_s), self.ticks(north_mps * step_s))
+    }
+
+    /// Metres a second in u a step.
+    #[must_use]
+    pub fn mps(&self, u_per_step: f32) -> f64 {
+        f64::from(u_per_step) * self.unit_m / self.step_s()
+    }
+
+    /// Metres a second squared in u a step squared.
+    #[must_use]
+    pub fn mps2(&self, u_per_step2: f32) -> f64 {
+        f64::from(u_per_step2) * self.unit_m / (self.step_s() * self.step_s())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const SCALE: Scale = Scale { unit_m: 2.5, step_ms: 2000 };
+
+    proptest! {
+        #[test]
+        fn degrees_come_back_to_the_unit(
+            lat in -80.0f64..80.0, lon in -179.0f64..179.0, north in -2_000_000i32..2_000_000, east in -2_000_000i32..2_000_000,
+        ) {
+            let plane = Plane::new(lat, lon, 0.0).unwrap();
+            // Two million units of latitude are 22 km; stay inside the reach.
+            let (north, east) = (north / 2, east / 2);
+            let place = plane.place(plane.lat_e7 + north, plane.lon_e7 + east).unwrap();
+            prop_assert_eq!(plane.degrees_e7(place), (plane.lat_e7 + north, plane.lon_e7 + east));
+        }
+
+        #[test]
+        fn a_place_comes_back_within_a_grain(
+            lat in -80.0f64..80.0, lon in -179.0f64..179.0, east_mm in -1e6f64..1e6, north_mm in -1e6f64..1e6,
+        ) {
+            let plane = Plane::new(lat, lon, 100.0).unwrap();
+            let (a, b) = plane.degrees_e7(Place { east_mm, north_mm });
+            let back = plane.place(a, b).unwrap();
+            // A grain is 1e-7 degrees, 11.2 mm at most; half of it is the most that rounding takes.
+            prop_assert!((back.east_mm - east_mm).abs() < 5.7 && (back.north_mm - north_mm).abs() < 5.7);
+        }
+
+        #[test]
+        fn ticks_survive_the_autopilots_metres(x in -300_000i32..300_000, y in -300_000i32..300_000, vx in -8192i32..8192) {
+            // LOCAL_POSITION_NED speaks in f32 metres.
+            let place = SCALE.place(Vec2 { x, y });
+            let metres = [place.east_mm, place.north_mm].map(|mm| f64::from((mm / 1000.0) as f32));
+            prop_assert_eq!(metres.map(|m| SCALE.ticks(m)), [x, y]);
+            let mps = f64::from(SCALE.mps(vx as f32 / TICKS_PER_U as f32) as f32);
+            prop_assert_eq!(SCALE.velocity(mps, -mps), Vec2 { x: vx, y: -vx });
+        }
+    }
+
+    #[test]
+    fn metres_per_degree_are_those_of_the_ellipsoid() {
+        // Published lengths of a degree at 0 and 45 degrees, m.
+        for (lat, north, east) in [(0.0, 110_574.3, 111_319.5), (45.0, 111_131.8, 78_846.8)] {
+            let [a, b] = mm_per_unit(lat).map(|mm| mm * 1e4);
+            assert!((a - north).abs() < 0.1 && (b - east).abs() < 0.1, "{lat}: {a} {b}");
+        }
+    }
+
+    #[test]
+    fn the_default_scale_is_the_scenarios() {
+        assert_eq!(SCALE.mps(4.0), 5.0);
+        assert_eq!(SCALE.mps2(4.0), 2.5);
+        assert_eq!(SCALE.velocity(5.0, -2.5), Vec2 { x: 4096, y: -2048 });
+    }
+
+    #[test]
+    fn far_places_and_bad_origins_are_refused() {
+        let plane = Plane::new(47.0, 8.0, 400.0).unwrap();
+        assert_eq!(plane.place(to_e7(47.3), to_e7(8.0)), None);
+        assert_eq!(plane.place(i32::MIN, i32::MAX), None);
+        let refused = |lat, lon, alt| Plane::new(lat, lon, alt).unwrap_err().to_string();
+        assert!(refused(47.0, 179.5, 0.0).contains("date line"));
+        assert!(refused(47.0, -180.0, 0.0).contains("date line"));
+        assert!(refused(47.0, 361.0, 0.0).contains("between -180 and 180"));
+        assert!(refused(f64::NAN, 8.0, 0.0).contains("NaN"));
+        assert!(refused(85.0, 8.0, 0.0).contains("-80 and 80"));
+        assert!(refused(47.0, 8.0, f64::INFINITY).contains("inf"));
+    }
+}
