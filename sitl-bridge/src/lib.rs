@@ -5,11 +5,12 @@
 //! messages inside frames, and [`tlog`] records them all. Only connections, sockets, the
 //! state file of signatures and the recorder touch the system; the rest is handed bytes and
 //! times, and says what to send.
+//!
+//! One [`node`] flies one UAV by a [`mission`]: it owns all state of it and is driven by
+//! datagrams and times alone. [`autopilot`] is its view of the vehicle.
 #![forbid(unsafe_code)]
 
-pub mod connection;
+pub mod autopilot;
 pub mod frame;
 pub mod mission;
 pub mod signing;
-pub mod swarm_link;
-pub mod tlog;
