@@ -6,11 +6,17 @@
 //! state file of signatures and the recorder touch the system; the rest is handed bytes and
 //! times, and says what to send.
 //!
-//! One [`node`] flies one UAV by a [`mission`]: it owns all state of it and is driven by
+//! A [`node`] flies one UAV by a [`mission`]: it owns all state of it and is driven by
 //! datagrams and times alone. [`autopilot`] is its view of the vehicle.
 #![forbid(unsafe_code)]
 
 pub mod autopilot;
+pub mod commands;
+pub mod connection;
 pub mod frame;
 pub mod mission;
+pub mod node;
 pub mod signing;
+pub mod summary;
+pub mod swarm_link;
+pub mod tlog;

@@ -2,7 +2,7 @@
 
 use super::geojson;
 use super::plane::{OriginError, Plane, Scale, to_e7};
-use super::{DEFAULT_MARGIN_U, Layers, Mission, square_fence};
+use super::{DEFAULT_MARGIN_U, Layers, Mission, gate_fence, square_fence};
 use covey_env::Scenario;
 use firmware_core::actor::Mode;
 use firmware_core::geometry::Vec2;
@@ -13,8 +13,6 @@ use thiserror::Error;
 
 /// Steps shorter than this leave no time for two messages, ms.
 const LEAST_STEP_MS: u16 = 200;
-/// Most corners of a fence.
-const MAX_CORNERS: usize = 32;
 /// Longest side of a map, m: well inside the plane's reach.
 const LONGEST_SIDE_M: f64 = 10_000.0;
 
@@ -298,19 +296,19 @@ impl MissionFile {
             }
             _ => return Err(fault("fence", "has more than one form; give margin_u, polygon_u or polygon_lat_lon")),
         };
-        checked_polygon(field, corners)
+        checked_polygon(field, corners, scale)
     }
 }
 
-/// A polygon without a repeated last corner.
-fn checked_polygon(field: &str, mut corners: Vec<Vec2>) -> Result<Vec<Vec2>, Fault> {
+/// A polygon without a repeated last corner that the safety gate can use.
+fn checked_polygon(field: &str, mut corners: Vec<Vec2>, scale: Scale) -> Result<Vec<Vec2>, Fault> {
     if corners.len() > 1 && corners.first() == corners.last() {
         corners.pop();
     }
-    if !(3..=MAX_CORNERS).contains(&corners.len()) {
-        return Err(fault(field, format!("has {} corners; use 3 to {MAX_CORNERS}", corners.len())));
+    match gate_fence(&corners, scale) {
+        Ok(_) => Ok(corners),
+        Err(error) => Err(fault(field, format!("cannot be used: {error}"))),
     }
-    Ok(corners)
 }
 
 fn on_plane(plane: &Plane, scale: Scale, lat: f64, lon: f64) -> Option<Vec2> {
@@ -383,7 +381,7 @@ mod tests {
             ("step_ms = 50", &["line 3", "use 200 to 32767"]),
             ("\n[altitude]\nlayers = 0", &["line 5", "altitude.layers = 0; use 1 to 1000"]),
             ("[fence]\nmargin_u = 3.0\npolygon_u = [[0,0],[1,0],[1,1]]", &["line 3", "more than one form"]),
-            ("[fence]\npolygon_u = [[0,0],[1,0],[0,0]]", &["line 4", "has 2 corners; use 3 to 32"]),
+            ("[fence]\npolygon_u = [[0,0],[1,0],[0,0]]", &["line 4", "3 to 16 corners, not 2"]),
             ("pois_lat_lon = [\n [47.4, 8.5],\n [8.5, 47.4]]", &["line 5", "pois_lat_lon[1]", "latitude first?"]),
             ("side_u = 16000.0", &["line 3", "40000 m; use 10000 m at most"]),
         ] {

@@ -14,6 +14,7 @@ pub use plane::{OriginError, Place, Plane, REACH_MM, Scale, to_e7};
 pub use pois::PoiMap;
 
 use firmware_core::actor::Mode;
+use firmware_core::gate::{Fence, FenceError, Vector};
 use firmware_core::geometry::{TICKS_PER_U, Vec2};
 use firmware_core::observation::HALF_SIDE_LIMIT;
 
@@ -70,12 +71,28 @@ impl Mission {
         ((self.side_u * f64::from(TICKS_PER_U / 2)) as i32).clamp(1, HALF_SIDE_LIMIT)
     }
 
+    /// The fence as the safety gate takes it.
+    ///
+    /// # Errors
+    /// It has too few or too many corners, or its edges cross.
+    pub fn gate_fence(&self) -> Result<Fence, FenceError> {
+        gate_fence(&self.fence, self.scale)
+    }
+
     /// A point on the map in u to ticks.
     #[must_use]
     pub fn ticks_of_u(x: f64, y: f64) -> Vec2 {
         // The observation's own rounding takes f32; worlds hold their points in it.
         Vec2::from_u(x as f32, y as f32)
     }
+}
+
+fn gate_fence(corners: &[Vec2], scale: Scale) -> Result<Fence, FenceError> {
+    let mm = |&corner: &Vec2| {
+        let place = scale.place(corner);
+        Vector::new(place.east_mm.round() as i32, place.north_mm.round() as i32)
+    };
+    Fence::polygon(&corners.iter().map(mm).collect::<Vec<_>>())
 }
 
 /// The map's square, `margin_u` wider on each side.

@@ -1,7 +1,7 @@
 //! `self-test` and `signature`: does this computer compute what the actor's exporter computed?
 
 use firmware_core::actor::{self, Actor, LoadError, SELF_TESTS, SIGNATURE_CASES, SelfTestError};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::{fs, io};
 use thiserror::Error;
 
@@ -75,17 +75,28 @@ impl Signature {
 
 /// Calls `action` with the actor of the file, which has passed its self-test.
 fn with_actor(path: PathBuf, action: impl FnOnce(&Actor<'_>)) -> Result<(), ActorFileError> {
-    let bytes = match fs::read(&path) {
-        Ok(bytes) => bytes,
-        Err(source) => return Err(ActorFileError::Read { path, source }),
-    };
-    let actor = match Actor::load(&bytes) {
-        Ok(actor) => actor,
-        Err(source) => return Err(ActorFileError::Load { path, source }),
-    };
-    if let Err(source) = actor.self_test() {
-        return Err(ActorFileError::SelfTest { path, source });
-    }
-    action(&actor);
+    let bytes = read(&path)?;
+    action(&flight_ready(&bytes, &path)?);
     Ok(())
+}
+
+/// The bytes of an actor file.
+///
+/// # Errors
+/// [`ActorFileError::Read`].
+pub fn read(path: &Path) -> Result<Vec<u8>, ActorFileError> {
+    fs::read(path).map_err(|source| ActorFileError::Read { path: path.to_owned(), source })
+}
+
+/// The actor in these bytes, once it has passed its self-test on this computer. `path` is for
+/// error messages.
+///
+/// # Errors
+/// [`ActorFileError::Load`] or [`ActorFileError::SelfTest`]: it never flies.
+pub fn flight_ready<'a>(bytes: &'a [u8], path: &Path) -> Result<Actor<'a>, ActorFileError> {
+    let actor = Actor::load(bytes).map_err(|source| ActorFileError::Load { path: path.to_owned(), source })?;
+    match actor.self_test() {
+        Ok(()) => Ok(actor),
+        Err(source) => Err(ActorFileError::SelfTest { path: path.to_owned(), source }),
+    }
 }

@@ -1,0 +1,142 @@
+//! `fly`: one UAV.
+
+use super::actor_file::flight_ready;
+use super::common::{ActorArgs, SigningArgs, TimingArgs, stop_flag};
+use crate::connection::{Address, Connection};
+use crate::mission::{Mission, PoiMap};
+use crate::node::run::{Control, Links, Report, run};
+use crate::node::{FeedForward, Node, Settings, gate_limits};
+use crate::swarm_link::{SwarmAddress, SwarmSocket, system_of};
+use crate::tlog::TlogWriter;
+use firmware_core::gate::Limits;
+use miette::{IntoDiagnostic as _, Result, WrapErr as _};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::channel;
+
+/// Arguments of `fly`.
+#[derive(clap::Args)]
+pub struct Fly {
+    /// The UAV's id, 0 to 254: no two of a swarm have the same.
+    #[arg(long)]
+    id: u16,
+    /// The autopilot's link: udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT or
+    /// serial:/dev/ttyX:BAUD.
+    #[arg(long, default_value = "udpin:0.0.0.0:14550")]
+    autopilot: Address,
+    /// The swarm's link: multicast:GROUP:PORT, broadcast:ADDRESS:PORT or
+    /// peers:LISTEN:PORT,PEER:PORT,...; the UAV flies alone when left out.
+    #[arg(long)]
+    swarm: Option<SwarmAddress>,
+    /// The mission file, TOML or GeoJSON.
+    #[arg(long)]
+    mission: PathBuf,
+    /// Arm, take off and fly. Otherwise the UAV flies once its pilot has brought it up and set
+    /// GUIDED (PX4: OFFBOARD).
+    #[arg(long)]
+    takeoff: bool,
+    /// Land where it is when this program ends. Otherwise the autopilot holds the place.
+    #[arg(long)]
+    land_on_exit: bool,
+    /// The autopilot is simulated, and its clock may run at any speed.
+    #[arg(long)]
+    simulated: bool,
+    /// MAVLink system id of this node towards the autopilot; id + 1 when left out. With 255
+    /// ArduPilot's ground-station failsafe watches this node.
+    #[arg(long)]
+    system: Option<u8>,
+    /// Record all MAVLink traffic.
+    #[arg(long, value_name = "FILE")]
+    tlog: Option<PathBuf>,
+    /// Print steps and decisions as JSON lines.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    actor: ActorArgs,
+    #[command(flatten)]
+    timing: TimingArgs,
+    #[command(flatten)]
+    signing: SigningArgs,
+}
+
+impl Fly {
+    /// Flies until it is stopped.
+    ///
+    /// # Errors
+    /// A file cannot be used or a link not be opened; the actor does not pass its self-test.
+    pub fn run(self) -> Result<()> {
+        let (bytes, name) = self.actor.read().into_diagnostic()?;
+        let actor = flight_ready(&bytes, &name).into_diagnostic()?;
+        let mission = Arc::new(Mission::read(&self.mission).into_diagnostic()?);
+        let (autopilot_signing, swarm_signing) = self.signing.links()?;
+        let autopilot = Connection::open(&self.autopilot).into_diagnostic().wrap_err("no link to the autopilot")?;
+        let swarm = self.swarm.as_ref().map(SwarmSocket::open).transpose().into_diagnostic()?;
+        let tlog = self.tlog.as_ref().map(|path| TlogWriter::create(path)).transpose();
+        let tlog = tlog.into_diagnostic().wrap_err("the recording cannot be made")?;
+        eprintln!("autopilot: {}", autopilot.describe());
+        match &swarm {
+            Some(socket) => eprintln!("{}", socket.describe()),
+            None => eprintln!("no --swarm: flying alone"),
+        }
+        let base = if self.simulated { Limits::simulation() } else { Limits::default() };
+        let settings = Settings {
+            id: self.id,
+            system: self.system.or_else(|| system_of(self.id)).unwrap_or(u8::MAX),
+            actor,
+            pois: Arc::new(PoiMap::new(&mission.pois)),
+            timing: self.timing.timing(mission.scale.step_ms)?,
+            limits: gate_limits(base, &mission),
+            feed_forward: FeedForward::Ramp,
+            take_off: self.takeoff,
+            rate_hz: f64::from(self.timing.rate_hz()),
+            source: autopilot.source(),
+            autopilot_signing,
+            swarm_signing,
+            record: tlog.is_some(),
+            advice: autopilot.advice(),
+            mission,
+        };
+        let mut node = Node::new(settings, self.signing.session(None)?).into_diagnostic()?;
+        let control = Control::new(stop_flag()?, self.land_on_exit);
+        let (reports, received) = channel();
+        let json = self.json;
+        let printer = std::thread::spawn(move || {
+            for (_, report) in received {
+                print(&report, json);
+            }
+        });
+        let links = Links { autopilot, swarm, tlog };
+        let flown = run(&mut node, links, &control, 0, &reports).into_diagnostic();
+        drop(reports);
+        let _ = printer.join();
+        let then = if self.land_on_exit { "asked to land" } else { "the autopilot holds the place by itself" };
+        eprintln!("stopped: no more setpoints; {then}");
+        flown
+    }
+}
+
+/// One line of a report, as far as it is for people.
+fn print(report: &Report, json: bool) {
+    match report {
+        Report::Notice(notice) => eprintln!("{}{notice}", if notice.warning { "warning: " } else { "" }),
+        Report::Begun(begun) if json => {
+            let ((x, y), (vx, vy)) = (begun.state.position.to_u(), begun.state.velocity.to_u());
+            println!(
+                "{}",
+                serde_json::json!({"step": begun.step, "common_ms": begun.common_ms, "u": [x, y], "v": [vx, vy]})
+            );
+        }
+        Report::Decision(d) => {
+            if json {
+                let line = serde_json::json!({
+                    "step": d.step, "decision": d.action, "boot_ms": d.boot_ms, "phase_ms": d.phase_ms, "late": d.late,
+                    "observation": format!("{:016x}", d.observation), "neighbours": d.neighbours(), "features": d.features,
+                });
+                println!("{line}");
+            } else if d.late {
+                eprintln!("warning: step {}: decided {} ms after its beginning", d.step, d.phase_ms);
+            }
+        }
+        Report::Begun(_) | Report::Stage(_) | Report::Clock(_) | Report::Status(_) | Report::Ended(_) => {}
+    }
+}

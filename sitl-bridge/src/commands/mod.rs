@@ -1,0 +1,46 @@
+//! The command line.
+
+mod actor_file;
+mod common;
+mod fly;
+mod mission;
+mod sim;
+mod swarm;
+
+pub use actor_file::ActorFileError;
+pub use sim::{SimError, Simulation, WorldFlight};
+
+use clap::Parser;
+use miette::IntoDiagnostic as _;
+
+/// Flies Covey's actor over MAVLink.
+#[derive(Parser)]
+#[command(name = "sitl-bridge", version)]
+pub enum Command {
+    /// Fly one UAV.
+    Fly(Box<fly::Fly>),
+    /// Fly several UAVs from this computer, real or simulated ones.
+    Swarm(Box<swarm::Swarm>),
+    /// Write the mission of a world of the scenario.
+    Mission(mission::WriteMission),
+    /// Test an actor file on this computer, as is done before each flight.
+    SelfTest(actor_file::SelfTest),
+    /// Print an actor file's signature: the same number wherever the actor decides the same.
+    Signature(actor_file::Signature),
+}
+
+impl Command {
+    /// Carries it out.
+    ///
+    /// # Errors
+    /// What went wrong, for a person.
+    pub fn run(self) -> miette::Result<()> {
+        match self {
+            Self::Fly(args) => args.run(),
+            Self::Swarm(args) => args.run(),
+            Self::Mission(args) => args.run(),
+            Self::SelfTest(args) => args.run().into_diagnostic(),
+            Self::Signature(args) => args.run().into_diagnostic(),
+        }
+    }
+}

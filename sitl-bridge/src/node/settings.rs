@@ -1,0 +1,96 @@
+//! What a node is made from.
+
+use super::{FeedForward, Timing};
+use crate::frame::Source;
+use crate::mission::{Mission, PoiMap};
+use crate::signing::LinkSigning;
+use crate::swarm_link::SwarmError;
+use firmware_core::actor::Actor;
+use firmware_core::gate::{FenceError, Limits, LimitsError};
+use firmware_core::geometry::SPEED_CAP_U;
+use std::sync::Arc;
+use thiserror::Error;
+
+/// Why there is no node.
+#[derive(Debug, Error)]
+pub enum SettingsError {
+    /// The id does not fit.
+    #[error(transparent)]
+    Swarm(#[from] SwarmError),
+    /// The gate's settings do not fit the mission.
+    #[error("the safety gate refuses the mission's settings: {0}")]
+    Limits(#[from] LimitsError),
+    /// The fence cannot be used.
+    #[error("the mission's fence cannot be used: {0}")]
+    Fence(#[from] FenceError),
+}
+
+/// What a node is made from.
+#[derive(Clone, Debug)]
+pub struct Settings<'a> {
+    /// The UAV's id, 0 to 254.
+    pub id: u16,
+    /// MAVLink system id of the node on the autopilot's link.
+    pub system: u8,
+    /// The actor, which has passed its self-test on this computer.
+    pub actor: Actor<'a>,
+    /// The mission.
+    pub mission: Arc<Mission>,
+    /// Its PoIs.
+    pub pois: Arc<PoiMap>,
+    /// When things happen in a step.
+    pub timing: Timing,
+    /// The gate's settings; see [`gate_limits`].
+    pub limits: Limits,
+    /// What is fed forward.
+    pub feed_forward: FeedForward,
+    /// Whether it brings the vehicle into flight by itself.
+    pub take_off: bool,
+    /// Positions asked for, Hz.
+    pub rate_hz: f64,
+    /// Whether the autopilot's frames come whole.
+    pub source: Source,
+    /// Signing of the autopilot's link.
+    pub autopilot_signing: LinkSigning,
+    /// Signing of the swarm's link.
+    pub swarm_signing: LinkSigning,
+    /// Whether frames heard are handed out for a recording.
+    pub record: bool,
+    /// What to check when the autopilot is not heard.
+    pub advice: String,
+}
+
+impl Settings<'_> {
+    /// Altitude of the UAV's layer above the origin, mm.
+    #[must_use]
+    pub fn layer_mm(&self) -> i32 {
+        (self.mission.layers.altitude_m(self.id) * 1000.0).round() as i32
+    }
+}
+
+/// The gate's settings `base` (real flight, simulation or ideal) for a mission's scale, steps
+/// and layers.
+#[must_use]
+pub fn gate_limits(base: Limits, mission: &Mission) -> Limits {
+    let flight = Limits::default();
+    let scale = mission.scale;
+    // As much above the scenario's limits as `base` is above real flight's.
+    let ratio = |ours: u32, flight: u32| f64::from(ours) / f64::from(flight);
+    let speed = scale.mps(SPEED_CAP_U as f32) * ratio(base.max_speed_mm_s, flight.max_speed_mm_s);
+    let acceleration =
+        scale.mps2(SPEED_CAP_U as f32) * ratio(base.max_acceleration_mm_s2, flight.max_acceleration_mm_s2);
+    let acceleration_mm_s2 = (acceleration * 1000.0).ceil() as u32;
+    let layers = mission.layers;
+    let highest_m = layers.base_m + f64::from(layers.count - 1) * layers.spacing_m;
+    let steps = |n: f64| (n * f64::from(scale.step_ms)) as u32;
+    Limits {
+        max_speed_mm_s: (speed * 1000.0).ceil() as u32,
+        max_acceleration_mm_s2: acceleration_mm_s2,
+        braking_mm_s2: base.braking_mm_s2.min(acceleration_mm_s2),
+        altitude_floor_mm: base.altitude_floor_mm.min((layers.base_m * 500.0) as i32),
+        altitude_ceiling_mm: (highest_m * 1000.0) as i32 + 10_000,
+        decision_ms: steps(2.25),
+        swarm_ms: steps(3.0),
+        ..base
+    }
+}
