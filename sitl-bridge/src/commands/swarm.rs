@@ -161,7 +161,12 @@ impl Swarm {
         };
         let stop = stop_flag()?;
         let json = self.json;
-        let summary = simulation.run(args.worlds, &stop, |index, flight| eprintln!("{}", line(index, flight)));
+        let summary = simulation.run(args.worlds, &stop, |index, flight| {
+            eprintln!("{}", line(index, flight));
+            if let (Some(difference), true) = (&flight.first_difference, self.verbose || args.ideal) {
+                eprintln!("  the first other decision: {difference}");
+            }
+        });
         let summary = summary.into_diagnostic()?;
         if json {
             println!("{}", serde_json::to_string_pretty(&summary).into_diagnostic()?);

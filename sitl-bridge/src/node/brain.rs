@@ -16,6 +16,9 @@ use firmware_core::neighbour_table::{Moment, NeighbourTable, Policy};
 use firmware_core::observation::{Neighbours, Scene, observe};
 use std::sync::Arc;
 
+/// Most messages that wait for a step to begin: two of each of a large swarm's UAVs.
+const MAX_EARLY: usize = 128;
+
 /// When things happen in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Timing {
@@ -89,6 +92,8 @@ pub struct Brain<'a> {
     table: NeighbourTable,
     view: Neighbours,
     step: Option<Step>,
+    /// Messages of steps that have not begun here yet.
+    early: Vec<Message>,
     /// Next sequence number, once something was sent.
     sequence: Option<u16>,
     plan: Option<Plan>,
@@ -113,6 +118,7 @@ impl<'a> Brain<'a> {
             table,
             view: Neighbours::new(),
             step: None,
+            early: Vec::new(),
             sequence: None,
             plan: None,
             counters: Counters::default(),
@@ -136,6 +142,7 @@ impl<'a> Brain<'a> {
     /// Forgets the step, the plan and the neighbours: the clock is another one.
     pub fn forget(&mut self) {
         (self.step, self.plan) = (None, None);
+        self.early.clear();
         self.table.reset(self.id, Policy::of(&self.actor), self.mission.scale.step_ms);
     }
 
@@ -157,8 +164,19 @@ impl<'a> Brain<'a> {
         (self.table.len(), self.view.as_slice().len())
     }
 
-    /// Takes in a message; returns whether it was taken. Before the first step nothing is.
-    pub fn hear(&mut self, message: &Message) -> bool {
+    /// Takes in a message; returns whether it was taken. What a neighbour whose clock is a
+    /// little ahead says about the next step waits for that step to begin here: who is near
+    /// and stays in a full table is judged by where this UAV is then.
+    pub fn hear(&mut self, message: Message) -> bool {
+        let Some(step) = &self.step else { return false };
+        if message.header().step == step.moment.step.wrapping_add(1) && self.early.len() < MAX_EARLY {
+            self.early.push(message);
+            return true;
+        }
+        self.tabulate(&message)
+    }
+
+    fn tabulate(&mut self, message: &Message) -> bool {
         let Some(step) = &self.step else { return false };
         let answer = self.table.hear(message, step.state.position, step.moment);
         self.counters.answer(answer);
@@ -171,23 +189,23 @@ impl<'a> Brain<'a> {
         let mut thought = Thought::default();
         let Some(epoch_ms) = self.epoch_ms else { return thought };
         let since_ms = sample.common_ms - epoch_ms;
-        if since_ms < 0 {
-            self.step = None;
-            return thought;
-        }
         let step_ms = i64::from(self.mission.scale.step_ms);
-        let (number, phase_ms) = ((since_ms / step_ms) as u32, since_ms % step_ms);
+        // Before step 0 steps have numbers too, so that who begins first is heard.
+        let (number, phase_ms) = (since_ms.div_euclid(step_ms) as u32, since_ms.rem_euclid(step_ms));
+        let counts = since_ms >= 0;
         if self.step() != Some(number) {
-            thought.begun = Some(self.begin(number, sample, flies));
+            let begun = self.begin(number, sample, flies && since_ms >= step_ms);
+            thought.begun = counts.then_some(begun);
         }
-        if flies {
+        if flies && counts {
             self.act(phase_ms, sample, &mut thought);
         }
         thought
     }
 
-    fn begin(&mut self, number: u32, sample: &Sample, flies: bool) -> StepBegun {
-        if let Some(last) = self.step.take().filter(|_| flies) {
+    /// `counts` says whether the step before was one to decide in.
+    fn begin(&mut self, number: u32, sample: &Sample, counts: bool) -> StepBegun {
+        if let Some(last) = self.step.take().filter(|_| counts) {
             let passed = number.wrapping_sub(last.moment.step);
             // More than this is another clock, not a pause.
             let skipped = if passed <= 1000 { u64::from(passed.saturating_sub(1)) } else { 0 };
@@ -202,6 +220,9 @@ impl<'a> Brain<'a> {
             encoded: None,
             decided: false,
         });
+        for message in std::mem::take(&mut self.early) {
+            self.tabulate(&message);
+        }
         StepBegun { step: number, state: sample.state, common_ms: sample.common_ms }
     }
 

@@ -296,7 +296,7 @@ impl<'a> Node<'a> {
             if self.settings.record {
                 out.heard.push(neighbour.frame);
             }
-            if self.brain.hear(&neighbour.message) {
+            if self.brain.hear(neighbour.message) {
                 self.swarm_heard = Some((self.autopilot.vehicle.now_ms(), now.wall_ms));
             }
         }
@@ -449,7 +449,7 @@ impl<'a> Node<'a> {
             velocity: Vector::new(thousandths(fix.velocity_mps[0]), thousandths(fix.velocity_mps[1])),
             climb_mm_s: thousandths(fix.velocity_mps[2]),
         });
-        let proposal = self.brain.plan().filter(|_| self.brain.step().is_some()).map(|plan| {
+        let proposal = self.brain.plan().map(|plan| {
             let (velocity, acceleration) = plan.at(now_ms, self.settings.feed_forward);
             Proposal { decided_ms: plan.decided_ms, velocity, acceleration, altitude_mm: self.settings.layer_mm() }
         });

@@ -11,6 +11,7 @@ use crate::node::{Counters, Decision, FeedForward, Node, Settings, StepBegun, ga
 use crate::swarm_link::{SwarmAddress, SwarmSocket, system_of};
 use crate::tlog::TlogWriter;
 use covey_env::{EpisodeMetrics, World};
+use firmware_core::action::Action;
 use firmware_core::gate::Limits;
 use firmware_core::geometry::State;
 use serde_json::{Value, json};
@@ -54,6 +55,8 @@ pub struct WorldFlight {
     pub equal: u64,
     /// Decisions that could be compared.
     pub compared: u64,
+    /// The first decision that is not the trainer's, in words.
+    pub first_difference: Option<String>,
     /// Counts of all nodes.
     pub counters: Counters,
     /// Simulated and host's seconds of the steps.
@@ -420,18 +423,41 @@ fn compare_flights(trained: &TrainerFlight, flight: &mut WorldFlight) {
             flight.compared += 1;
             let same = is_same(decision, trained.observations[step][id], trained.actions[step][id]);
             flight.equal += u64::from(same);
+            if !same && flight.first_difference.is_none() {
+                let (observation, action) = (trained.observations[step][id], trained.actions[step][id]);
+                flight.first_difference = Some(difference(id, decision, observation, action));
+            }
         }
     }
+}
+
+/// A decision that is not the trainer's, in words.
+fn difference(id: usize, decision: &Decision, observation: u64, action: Action) -> String {
+    let seen = if decision.observation == observation { "the same" } else { "another" };
+    let ((x, y), (vx, vy)) = (decision.state.position.to_u(), decision.state.velocity.to_u());
+    format!(
+        "step {}, UAV {id} at ({x}, {y}) u with ({vx}, {vy}) u/step: action {} on {seen} observation, the trainer's is {}; \
+         neighbours {:?}, {} of them with a feature",
+        decision.step,
+        decision.action,
+        action.index(),
+        decision.neighbours(),
+        decision.features,
+    )
 }
 
 fn review(mut reviewer: Reviewer<'_>, flight: &mut WorldFlight) {
     for (step, row) in flight.decisions.iter().enumerate() {
         let states: Option<Vec<State>> = flight.states[step].iter().copied().collect();
         let Some(expected) = states.and_then(|states| reviewer.review(step as u32, &states)) else { continue };
-        for (decision, (observation, action)) in row.iter().zip(expected) {
+        for (id, (decision, (observation, action))) in (0u16..).zip(row.iter().zip(expected)) {
             let Some(decision) = decision else { continue };
             flight.compared += 1;
-            flight.equal += u64::from(is_same(decision, observation, action));
+            let same = is_same(decision, observation, action);
+            flight.equal += u64::from(same);
+            if !same && flight.first_difference.is_none() {
+                flight.first_difference = Some(difference(usize::from(id), decision, observation, action));
+            }
         }
     }
 }

@@ -1,0 +1,154 @@
+//! A node and its vehicle in virtual time.
+
+use crate::vehicle::{TICK_MS, Vehicle};
+use firmware_core::actor::{Actor, Mode};
+use firmware_core::gate::Limits;
+use firmware_core::geometry::Vec2;
+use sitl_bridge::autopilot::{Dialect, Notice};
+use sitl_bridge::frame::{Frame, Source};
+use sitl_bridge::mission::{Layers, Mission, Plane, PoiMap, Scale, square_fence};
+use sitl_bridge::node::{Decision, FeedForward, Node, Now, Outbox, Settings, StepBegun, Timing, gate_limits};
+use sitl_bridge::signing::{LinkSigning, Session};
+use std::sync::Arc;
+
+/// Host time that a tick takes, ms: the simulation runs at twenty times real time.
+const WALL_MS: u64 = 10;
+
+pub fn actor() -> Actor<'static> {
+    let bytes = include_bytes!("../../../firmware-core/tests/data/sample-gcn.actor");
+    let actor = Actor::load(bytes).expect("sound");
+    actor.self_test().expect("sound");
+    actor
+}
+
+pub fn mission() -> Mission {
+    Mission {
+        plane: Plane::new(47.397_742, 8.545_594, 488.0).unwrap(),
+        scale: Scale { unit_m: 2.5, step_ms: 2000 },
+        side_u: 200.0,
+        fence: square_fence(200.0, 10.0),
+        layers: Layers { base_m: 10.0, spacing_m: 2.0, count: 4 },
+        pois: vec![Vec2::from_u(97.0, 108.0), Vec2::from_u(104.0, 96.0), Vec2::from_u(118.0, 110.0)],
+        policy_seed: 10,
+        mode: Mode::Sample,
+        epoch_unix_ms: 1_790_000_000_000 - 2000,
+    }
+}
+
+pub fn settings(id: u16, mission: &Mission, take_off: bool, px4: bool) -> Settings<'static> {
+    Settings {
+        id,
+        system: id as u8 + 1,
+        actor: actor(),
+        mission: Arc::new(mission.clone()),
+        pois: Arc::new(PoiMap::new(&mission.pois)),
+        timing: Timing::default(),
+        limits: Limits { stream_before_mode: px4, ..gate_limits(Limits::simulation(), mission) },
+        feed_forward: FeedForward::Ramp,
+        take_off,
+        rate_hz: 5.0,
+        source: Source::Datagrams,
+        autopilot_signing: LinkSigning::off(),
+        swarm_signing: LinkSigning::off(),
+        record: false,
+        advice: "is it switched on?".into(),
+    }
+}
+
+pub struct Flight {
+    pub node: Node<'static>,
+    pub vehicle: Vehicle,
+    pub wall_ms: u64,
+    out: Outbox,
+    pub notices: Vec<Notice>,
+    pub begun: Vec<StepBegun>,
+    pub decisions: Vec<Decision>,
+    /// Frames for the swarm and the vehicle's time when they were sent.
+    pub told: Vec<(u32, Frame)>,
+}
+
+impl Flight {
+    pub fn new(id: u16, dialect: Dialect, take_off: bool) -> Self {
+        Self::at(id, dialect, take_off, Vec2::from_u(100.0, 100.0))
+    }
+
+    pub fn at(id: u16, dialect: Dialect, take_off: bool, place: Vec2) -> Self {
+        let mission = mission();
+        let settings = settings(id, &mission, take_off, dialect == Dialect::Px4);
+        Self {
+            node: Node::new(settings, Session::new()).unwrap(),
+            vehicle: Vehicle::new(dialect, &mission, place),
+            wall_ms: 1_000_000,
+            out: Outbox::default(),
+            notices: Vec::new(),
+            begun: Vec::new(),
+            decisions: Vec::new(),
+            told: Vec::new(),
+        }
+    }
+
+    pub fn now(&self) -> Now {
+        Now { wall_ms: self.wall_ms, unix_us: 1_790_000_000_000_000 + self.wall_ms * 1000 }
+    }
+
+    /// One tick of the vehicle; returns what the node told the swarm.
+    pub fn tick(&mut self) -> Vec<Frame> {
+        self.wall_ms += WALL_MS;
+        let now = self.now();
+        for frame in self.vehicle.tick() {
+            assert!(self.node.hear_autopilot(frame.bytes(), now, &mut self.out));
+        }
+        self.turn()
+    }
+
+    /// A turn of the node in which only the host's time passes.
+    pub fn idle(&mut self, wall_ms: u64) -> Vec<Frame> {
+        self.wall_ms += wall_ms;
+        self.turn()
+    }
+
+    fn turn(&mut self) -> Vec<Frame> {
+        let now = self.now();
+        self.node.tick(now, &mut self.out);
+        for frame in std::mem::take(&mut self.out.to_autopilot) {
+            self.vehicle.hear(&frame);
+        }
+        self.notices.append(&mut self.out.notices);
+        self.begun.append(&mut self.out.begun);
+        self.decisions.append(&mut self.out.decisions);
+        let told = std::mem::take(&mut self.out.to_swarm);
+        self.told.extend(told.iter().map(|&frame| (self.vehicle.boot_ms, frame)));
+        self.out.clear();
+        told
+    }
+
+    pub fn hear_swarm(&mut self, frame: &Frame) {
+        let now = self.now();
+        self.node.hear_swarm(frame.bytes(), now, &mut self.out);
+    }
+
+    pub fn ticks(&mut self, n: u32) {
+        for _ in 0..n {
+            self.tick();
+        }
+    }
+
+    /// Ticks until `done` or for `seconds` of the vehicle's time; says whether it was done.
+    pub fn until(&mut self, seconds: u32, done: impl Fn(&Self) -> bool) -> bool {
+        for _ in 0..seconds * 1000 / TICK_MS {
+            if done(self) {
+                return true;
+            }
+            self.tick();
+        }
+        done(self)
+    }
+
+    pub fn said(&self, text: &str) -> bool {
+        self.notices.iter().any(|notice| notice.text.contains(text))
+    }
+
+    pub fn words(&self) -> Vec<&str> {
+        self.notices.iter().map(|notice| notice.text.as_str()).collect()
+    }
+}

@@ -1,0 +1,269 @@
+//! A vehicle for tests: an autopilot that answers at once and moves as it is told, in virtual
+//! time. Just enough of ArduPilot's and PX4's ways to bring a node into flight.
+
+use firmware_core::geometry::Vec2;
+use sitl_bridge::autopilot::{Dialect, Telemetry, VELOCITY_AND_ACCELERATION, command};
+use sitl_bridge::frame::{Encoder, Frame};
+use sitl_bridge::mission::{Mission, Place};
+
+/// A SET_POSITION_TARGET_LOCAL_NED as it arrived.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setpoint {
+    /// Vehicle's clock when it arrived, ms.
+    pub at_ms: u32,
+    /// East and north, m/s.
+    pub velocity: [f32; 2],
+    /// Up, m/s.
+    pub climb: f32,
+    /// East and north, m/s².
+    pub acceleration: [f32; 2],
+}
+
+pub struct Vehicle {
+    pub dialect: Dialect,
+    pub boot_ms: u32,
+    pub unix_ms: i64,
+    pub armed: bool,
+    pub custom_mode: u32,
+    /// East and north of the origin, mm.
+    pub place: Place,
+    pub height_mm: f64,
+    pub velocity: [f64; 2],
+    target_mm: Option<f64>,
+    pub healthy: bool,
+    pub battery: i8,
+    /// Commands heard: MAV_CMD and the parameters.
+    pub commands: Vec<(u16, [f32; 7])>,
+    pub setpoints: Vec<Setpoint>,
+    pub heartbeats: u32,
+    /// Answers to these commands: MAV_RESULT, 0 where there is none.
+    pub refuse: Option<(u16, u8, &'static str)>,
+    /// Commands are not answered.
+    pub mute: bool,
+    pub with_local: bool,
+    /// LOCAL_POSITION_NED carries no numbers.
+    pub broken: bool,
+    encoder: Encoder,
+    replies: Vec<Frame>,
+    ticks: u32,
+    streamed_ms: Option<u32>,
+    mission: Mission,
+}
+
+pub const TICK_MS: u32 = 200;
+
+impl Vehicle {
+    pub fn new(dialect: Dialect, mission: &Mission, at: Vec2) -> Self {
+        Self {
+            dialect,
+            boot_ms: 10_000,
+            unix_ms: 1_790_000_000_000,
+            armed: false,
+            custom_mode: if dialect == Dialect::Px4 { (3 << 24) | (4 << 16) } else { 0 },
+            place: mission.scale.place(at),
+            height_mm: 0.0,
+            velocity: [0.0; 2],
+            target_mm: None,
+            healthy: true,
+            battery: 90,
+            commands: Vec::new(),
+            setpoints: Vec::new(),
+            heartbeats: 0,
+            refuse: None,
+            mute: false,
+            with_local: true,
+            broken: false,
+            encoder: Encoder::new(7, 1),
+            replies: Vec::new(),
+            ticks: 0,
+            streamed_ms: None,
+            mission: mission.clone(),
+        }
+    }
+
+    /// Lets a tick pass and returns what the vehicle sends in it.
+    pub fn tick(&mut self) -> Vec<Frame> {
+        self.ticks += 1;
+        self.boot_ms = self.boot_ms.wrapping_add(TICK_MS);
+        self.unix_ms += i64::from(TICK_MS);
+        let dt = f64::from(TICK_MS) / 1000.0;
+        if let Some(target) = self.target_mm {
+            self.height_mm += (target - self.height_mm).clamp(-500.0, 500.0);
+        }
+        self.place.east_mm += self.velocity[0] * dt * 1000.0;
+        self.place.north_mm += self.velocity[1] * dt * 1000.0;
+        let mut out = std::mem::take(&mut self.replies);
+        if self.ticks % 5 == 1 {
+            out.push(self.heartbeat());
+            let flags: u16 = if self.healthy { 0x33f } else { 0x3a7 };
+            let (id, at, len) = if self.dialect == Dialect::Px4 { (230, 40, 42) } else { (193, 20, 22) };
+            let mut estimator = vec![0; len];
+            estimator[at..].copy_from_slice(&flags.to_le_bytes());
+            out.push(self.frame(id, &estimator));
+            let mut gps = [0; 30];
+            gps[28] = 3;
+            out.push(self.frame(24, &gps));
+            let mut status = [0; 31];
+            status[30] = self.battery.to_le_bytes()[0];
+            out.push(self.frame(1, &status));
+            let (lat, lon) = (self.mission.plane.lat_e7, self.mission.plane.lon_e7);
+            out.push(self.frame(49, &[&lat.to_le_bytes()[..], &lon.to_le_bytes(), &[0; 4]].concat()));
+            let unix_us = (self.unix_ms as u64) * 1000;
+            out.push(self.frame(2, &[&unix_us.to_le_bytes()[..], &self.boot_ms.to_le_bytes()].concat()));
+        }
+        out.push(self.global());
+        if self.with_local {
+            out.push(self.local());
+        }
+        out
+    }
+
+    pub fn heartbeat(&mut self) -> Frame {
+        let autopilot = if self.dialect == Dialect::Px4 { 12 } else { 3 };
+        let base_mode = if self.armed { 0x81 } else { 0x01 };
+        let mut payload = self.custom_mode.to_le_bytes().to_vec();
+        payload.extend([2, autopilot, base_mode, 4, 3]);
+        self.frame(0, &payload)
+    }
+
+    fn global(&mut self) -> Frame {
+        let (lat, lon) = self.mission.plane.degrees_e7(self.place);
+        let alt = self.mission.plane.alt_mm + self.height_mm as i32;
+        let mut payload = Vec::new();
+        payload.extend(self.boot_ms.to_le_bytes());
+        for v in [lat, lon, alt, self.height_mm as i32] {
+            payload.extend(v.to_le_bytes());
+        }
+        for v in [self.velocity[1], self.velocity[0], 0.0] {
+            payload.extend(((v * 100.0) as i16).to_le_bytes());
+        }
+        payload.extend([0; 2]);
+        self.frame(33, &payload)
+    }
+
+    fn local(&mut self) -> Frame {
+        let metres = |mm: f64| (mm / 1000.0) as f32;
+        let north = if self.broken { f32::NAN } else { metres(self.place.north_mm) };
+        let numbers = [
+            north,
+            metres(self.place.east_mm),
+            -metres(self.height_mm),
+            self.velocity[1] as f32,
+            self.velocity[0] as f32,
+            0.0,
+        ];
+        let mut payload = self.boot_ms.to_le_bytes().to_vec();
+        numbers.iter().for_each(|v| payload.extend(v.to_le_bytes()));
+        self.frame(32, &payload)
+    }
+
+    fn text(&mut self, text: &str) -> Frame {
+        let mut payload = vec![4];
+        payload.extend(text.as_bytes());
+        payload.resize(54, 0);
+        self.frame(253, &payload)
+    }
+
+    fn frame(&mut self, id: u32, payload: &[u8]) -> Frame {
+        self.encoder.encode_payload(id, payload).unwrap()
+    }
+
+    /// Takes in what the node sent.
+    pub fn hear(&mut self, frame: &Frame) {
+        match frame.message_id() {
+            0 => self.heartbeats += 1,
+            76 => self.obey(frame),
+            84 => self.follow(frame),
+            other => panic!("the node sent message {other}"),
+        }
+    }
+
+    fn obey(&mut self, frame: &Frame) {
+        let mut payload = frame.payload().to_vec();
+        payload.resize(33, 0);
+        let f = |i: usize| f32::from_le_bytes(payload[4 * i..4 * i + 4].try_into().unwrap());
+        let params = [0, 1, 2, 3, 4, 5, 6].map(f);
+        let id = u16::from_le_bytes([payload[28], payload[29]]);
+        assert_eq!((payload[30], payload[31]), (7, 1), "addressed to somebody else");
+        self.commands.push((id, params));
+        if self.mute {
+            return;
+        }
+        let result = match self.refuse {
+            Some((refused, result, text)) if refused == id => {
+                let text = self.text(text);
+                self.replies.push(text);
+                result
+            }
+            _ => self.carry_out(id, params),
+        };
+        let ack = self.frame(77, &[&id.to_le_bytes()[..], &[result]].concat());
+        self.replies.push(ack);
+    }
+
+    fn carry_out(&mut self, id: u16, params: [f32; 7]) -> u8 {
+        match (id, self.dialect) {
+            (command::MESSAGE_INTERVAL, _) => 0,
+            (command::ARM, Dialect::ArduPilot) if self.custom_mode != 4 => 4,
+            (command::ARM, _) => {
+                self.armed = params[0] == 1.0;
+                0
+            }
+            (command::TAKEOFF, _) if !self.armed => 4,
+            (command::TAKEOFF, Dialect::ArduPilot) => {
+                self.target_mm = Some(f64::from(params[6]) * 1000.0);
+                0
+            }
+            (command::TAKEOFF, Dialect::Px4) => {
+                assert!(params[4].is_nan() && params[5].is_nan());
+                self.target_mm = Some(f64::from(params[6]) * 1000.0 - f64::from(self.mission.plane.alt_mm));
+                self.custom_mode = (2 << 24) | (4 << 16);
+                0
+            }
+            (command::SET_MODE, Dialect::ArduPilot) => {
+                self.custom_mode = params[1] as u32;
+                0
+            }
+            (command::SET_MODE, Dialect::Px4) => {
+                let offboard = params[1] == 6.0;
+                let streamed = self.setpoints.len() >= 5 && self.streamed_ms == Some(self.boot_ms);
+                if offboard && !streamed {
+                    return 1;
+                }
+                self.custom_mode = ((params[2] as u32) << 24) | ((params[1] as u32) << 16);
+                0
+            }
+            _ => 3,
+        }
+    }
+
+    fn follow(&mut self, frame: &Frame) {
+        let mut payload = frame.payload().to_vec();
+        payload.resize(53, 0);
+        let f = |at: usize| f32::from_le_bytes(payload[at..at + 4].try_into().unwrap());
+        let numbers: Vec<f32> = (0..11).map(|i| f(4 + 4 * i)).collect();
+        assert!(numbers.iter().all(|v| v.is_finite()), "a setpoint with {numbers:?}");
+        assert_eq!(u16::from_le_bytes([payload[48], payload[49]]), VELOCITY_AND_ACCELERATION);
+        assert_eq!((payload[50], payload[51], payload[52]), (7, 1, 1));
+        self.streamed_ms = Some(self.boot_ms);
+        let setpoint = Setpoint {
+            at_ms: self.boot_ms,
+            velocity: [numbers[4], numbers[3]],
+            climb: -numbers[5],
+            acceleration: [numbers[7], numbers[6]],
+        };
+        self.setpoints.push(setpoint);
+        if self.is_guided() {
+            self.velocity = setpoint.velocity.map(f64::from);
+        }
+    }
+
+    pub fn is_guided(&self) -> bool {
+        self.custom_mode == if self.dialect == Dialect::Px4 { 6 << 16 } else { 4 }
+    }
+
+    /// Whether its telemetry is readable by the node's own reader (a test of this vehicle).
+    pub fn reads_back(frame: &Frame) -> bool {
+        Telemetry::read(frame.message_id(), frame.payload()).is_some()
+    }
+}
