@@ -1,10 +1,9 @@
 //! The float policy: the trained network as it is.
 
-use crate::net::{ActorTensors, Batch, Layout, actor_logits, dimensions};
 use crate::settings::Settings;
-use crate::train::{floats, log_softmax, pick};
-use burn::tensor::{Device, Tensor};
+use crate::train::{dimensions, sample};
 use covey_env::{Links, Observer, Policy, World};
+use covey_net::{ActorNet, ActorPass, Inputs, Layout, Rows};
 use firmware_core::action::Action;
 use firmware_core::actor::{Aggregation, Dimensions, Mode};
 use firmware_core::observation::{LEN, Observation};
@@ -39,46 +38,55 @@ impl FloatActor {
         Self { aggregation, dimensions, tie_period: s.tie_period, layout, values }
     }
 
-    /// Its tensors, for passes without gradients.
+    /// It as products read it.
     #[must_use]
-    pub fn tensors(&self) -> Vec<Tensor<2>> {
-        self.layout.tensors(&self.values, &Device::flex())
+    pub fn network(&self) -> ActorNet {
+        let mut net = ActorNet::new(&self.layout, self.aggregation);
+        net.load(&self.values);
+        net
     }
 }
 
 /// The float policy in a world.
-pub struct FloatPolicy<'t> {
-    tensors: ActorTensors<'t>,
-    aggregation: Aggregation,
+pub struct FloatPolicy<'n> {
+    net: &'n ActorNet,
+    inputs: Inputs,
+    pass: ActorPass,
     observer: Observer,
     seed: u64,
     mode: Mode,
     observations: Vec<Observation>,
     links: Vec<Links>,
+    draws: Vec<f64>,
 }
 
-impl<'t> FloatPolicy<'t> {
-    /// `tensors` are those of `actor`; `seed` seeds the on-board random numbers.
+impl<'n> FloatPolicy<'n> {
+    /// `net` is `actor`'s; `seed` seeds the on-board random numbers.
     #[must_use]
-    pub fn new(actor: &FloatActor, tensors: &'t [Tensor<2>], seed: u64, mode: Mode) -> Self {
+    pub fn new(actor: &FloatActor, net: &'n ActorNet, seed: u64, mode: Mode) -> Self {
         Self {
-            tensors: ActorTensors::new(tensors, actor.aggregation),
-            aggregation: actor.aggregation,
+            net,
+            inputs: Inputs::new(actor.dimensions.observation.into()),
+            pass: ActorPass::new(&actor.layout),
             observer: Observer::new(seed, actor.tie_period),
             seed,
             mode,
             observations: Vec::new(),
             links: Vec::new(),
+            draws: Vec::new(),
         }
     }
 
-    /// The batch of what the UAVs of a world see.
-    pub fn look(&mut self, world: &World) -> Batch {
+    /// The actor on what the UAVs of a world see.
+    pub fn look(&mut self, world: &World) -> &ActorPass {
         let n = world.scenario().uavs;
         self.observations.resize(n, [0; LEN]);
         self.links.resize(n, Links::default());
         self.observer.observe(world, &mut self.observations, &mut self.links);
-        Batch::new(&self.observations, &self.links, n, self.aggregation, &Device::flex())
+        self.inputs.clear(n);
+        self.inputs.push(&self.observations, &self.links);
+        self.pass.forward(self.net, &self.inputs);
+        &self.pass
     }
 
     /// The observations and neighbours of the last [`Self::look`].
@@ -87,17 +95,23 @@ impl<'t> FloatPolicy<'t> {
         (&self.observations, &self.links)
     }
 
-    /// Writes the actions of these logits.
-    pub fn choose(&self, world: &World, logits: &[f32], actions: &mut [Action]) {
-        let rows = logits.chunks_exact(logits.len() / actions.len());
-        for (id, (row, action)) in rows.zip(actions).enumerate() {
-            *action = match self.mode {
-                Mode::Argmax => argmax(row),
-                Mode::Sample => {
-                    let draw = f64::from(action_draw(self.seed, id as u16, world.steps_done())) / (1u64 << 32) as f64;
-                    pick(&log_softmax(row), draw)
-                }
-            };
+    /// Logits of the last [`Self::look`].
+    #[must_use]
+    pub const fn logits(&self) -> &Rows {
+        self.pass.logits()
+    }
+
+    /// Writes the actions of the last [`Self::look`].
+    pub fn choose(&mut self, world: &World, actions: &mut [Action]) {
+        let logits = self.pass.logits();
+        match self.mode {
+            Mode::Argmax => actions.iter_mut().enumerate().for_each(|(id, a)| *a = argmax(logits.row(id))),
+            Mode::Sample => {
+                let draw = |id: usize| action_draw(self.seed, id as u16, world.steps_done());
+                self.draws.clear();
+                self.draws.extend((0..actions.len()).map(|id| f64::from(draw(id)) / (1u64 << 32) as f64));
+                sample(logits, &self.draws, |id, action, _| actions[id] = action);
+            }
         }
     }
 }
@@ -116,8 +130,7 @@ pub fn argmax(logits: &[f32]) -> Action {
 
 impl Policy for FloatPolicy<'_> {
     fn act(&mut self, world: &World, actions: &mut [Action]) {
-        let batch = self.look(world);
-        let logits = floats(actor_logits(&self.tensors, &batch));
-        self.choose(world, &logits, actions);
+        self.look(world);
+        self.choose(world, actions);
     }
 }

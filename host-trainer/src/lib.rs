@@ -7,7 +7,6 @@ pub mod finish;
 pub mod float_actor;
 pub mod in_the_loop;
 pub mod measure;
-pub mod net;
 pub mod over_link;
 pub mod quantise;
 pub mod report_page;

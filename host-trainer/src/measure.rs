@@ -2,10 +2,8 @@
 
 use crate::cli::PolicyArg;
 use crate::float_actor::{FloatActor, FloatPolicy, argmax};
-use crate::net::{ActorTensors, actor_logits};
 use crate::over_link::LinkRow;
 use crate::settings::law_name;
-use crate::train::floats;
 use covey_env::baselines::{Centroid, Greedy, Hover, Planner, Random, RememberingPlanner};
 use covey_env::oracles::{FlyToSites, evaluate_parked};
 use covey_env::{ActorPolicy, Evaluation, Policy, Scenario, ScenarioError, World, evaluate};
@@ -171,10 +169,8 @@ impl Subject<'_> {
         match self {
             Self::Written(PolicyArg::Parked) => evaluate_parked(scenario, seed, worlds),
             Self::Float(actor) => {
-                let tensors = actor.tensors();
-                evaluate(scenario, seed, worlds, |i| {
-                    FloatPolicy::new(actor, &tensors, policy_seed(seed, i), trial.mode)
-                })
+                let net = actor.network();
+                evaluate(scenario, seed, worlds, |i| FloatPolicy::new(actor, &net, policy_seed(seed, i), trial.mode))
             }
             _ => evaluate(scenario, seed, worlds, |i| self.policy(trial, i)),
         }
@@ -203,21 +199,21 @@ impl Subject<'_> {
 /// When the scenario cannot be built.
 pub fn agreement(int8: &Actor<'_>, float: &FloatActor, trial: &Trial) -> Result<(u64, u64), ScenarioError> {
     let fresh = World::new(&trial.scenario)?;
-    let tensors = float.tensors();
+    let net = float.network();
     let flown = (0..u64::from(trial.worlds)).into_par_iter().map(|index| {
         let mut world = fresh.clone();
         world.reset(trial.seed, index);
         let seed = policy_seed(trial.seed, index);
         let mut own = ActorPolicy::new(*int8, seed, trial.mode);
-        let mut other = FloatPolicy::new(float, &tensors, seed, trial.mode);
+        let mut other = FloatPolicy::new(float, &net, seed, trial.mode);
         let mut actions = vec![Action::COAST; trial.scenario.uavs];
         let mut agreeing = 0;
         while !world.done() {
             own.look(&world);
-            let logits = floats(actor_logits(&ActorTensors::new(&tensors, float.aggregation), &other.look(&world)));
-            for (i, (row, action)) in logits.chunks_exact(17).zip(&mut actions).enumerate() {
+            let logits = other.look(&world).logits();
+            for (i, action) in actions.iter_mut().enumerate() {
                 let mine = own.logits(i);
-                agreeing += u64::from(int8_argmax(&mine) == argmax(row));
+                agreeing += u64::from(int8_argmax(&mine) == argmax(logits.row(i)));
                 *action = own.choose(&mine, i, world.steps_done());
             }
             world.step(&actions);

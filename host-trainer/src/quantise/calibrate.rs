@@ -1,10 +1,8 @@
 //! Calibration: how large activations get on rollouts.
 
 use crate::float_actor::{FloatActor, FloatPolicy};
-use crate::net::{ActorTensors, actor_pass};
-use crate::train::floats;
-use burn::tensor::Tensor;
 use covey_env::{Links, Scenario, ScenarioError, World};
+use covey_net::{ActorNet, Rows};
 use firmware_core::action::Action;
 use firmware_core::actor::Mode;
 use firmware_core::observation::Observation;
@@ -36,11 +34,10 @@ pub struct Situation {
     pub logits: Vec<f32>,
 }
 
-fn widen(range: &mut Vec<f32>, activations: Tensor<2>) {
-    let width = activations.dims()[1];
-    range.resize(width, 0.0);
-    for row in floats(activations).chunks_exact(width) {
-        range.iter_mut().zip(row).for_each(|(m, a)| *m = m.max(a.abs()));
+fn widen(range: &mut Vec<f32>, activations: &Rows) {
+    range.resize(activations.width(), 0.0);
+    for r in 0..activations.rows() {
+        range.iter_mut().zip(activations.row(r)).for_each(|(m, a)| *m = m.max(a.abs()));
     }
 }
 
@@ -71,13 +68,13 @@ pub fn calibrate(
     worlds: u32,
 ) -> Result<(Ranges, Vec<Situation>), ScenarioError> {
     let fresh = World::new(scenario)?;
-    let tensors = actor.tensors();
+    let net = actor.network();
     let flown: Vec<_> = (0..u64::from(worlds))
         .into_par_iter()
         .map(|index| {
             let mut world = fresh.clone();
             world.reset(seed, index);
-            fly(actor, &tensors, &mut world, seed.wrapping_add(index))
+            fly(actor, &net, &mut world, seed.wrapping_add(index))
         })
         .collect();
     let mut ranges = Ranges::default();
@@ -89,23 +86,22 @@ pub fn calibrate(
     Ok((ranges, situations))
 }
 
-fn fly(actor: &FloatActor, tensors: &[Tensor<2>], world: &mut World, seed: u64) -> (Ranges, Vec<Situation>) {
+fn fly(actor: &FloatActor, net: &ActorNet, world: &mut World, seed: u64) -> (Ranges, Vec<Situation>) {
     let mut ranges = Ranges::default();
     let mut situations = Vec::new();
-    let mut policy = FloatPolicy::new(actor, tensors, seed, Mode::Sample);
+    let mut policy = FloatPolicy::new(actor, net, seed, Mode::Sample);
     let mut actions = vec![Action::COAST; world.scenario().uavs];
     while !world.done() {
-        let batch = policy.look(world);
-        let pass = actor_pass(&ActorTensors::new(tensors, actor.aggregation), &batch);
-        widen(&mut ranges.hidden, pass.hidden);
-        widen(&mut ranges.feature, pass.feature);
-        if let Some((combined, graph)) = pass.graph {
+        let pass = policy.look(world);
+        widen(&mut ranges.hidden, pass.hidden());
+        widen(&mut ranges.feature, pass.feature());
+        if let Some((combined, graph)) = pass.graph() {
             widen(&mut ranges.combined, combined);
             widen(&mut ranges.graph, graph);
         }
-        widen(&mut ranges.head, pass.head);
-        let logits = floats(pass.logits);
-        policy.choose(world, &logits, &mut actions);
+        widen(&mut ranges.head, pass.head());
+        let logits = (0..actions.len()).flat_map(|id| pass.logits().row(id)).copied().collect();
+        policy.choose(world, &mut actions);
         let (observations, links) = policy.seen();
         situations.push(Situation { observations: observations.to_vec(), links: links.to_vec(), logits });
         world.step(&actions);

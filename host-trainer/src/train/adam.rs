@@ -1,5 +1,6 @@
 //! Adam on a flat vector, with the gradient clipped by its global norm.
 
+use covey_net::kernel::{Vectorised, vectorised};
 use serde::{Deserialize, Serialize};
 
 const BETA1: f32 = 0.9;
@@ -36,21 +37,55 @@ impl Adam {
     /// One step of `values` against `gradient`, which is first shortened to `max_norm`.
     /// Returns the norm before that.
     pub fn step(&mut self, values: &mut [f32], gradient: &[f32], learning_rate: f64, max_norm: f64) -> f64 {
-        let norm = gradient.iter().map(|&g| f64::from(g) * f64::from(g)).sum::<f64>().sqrt();
+        let norm = vectorised(SquareSum(gradient)).sqrt();
         let shrink = (max_norm / (norm + 1e-6)).min(1.0) as f32;
         self.steps += 1;
         let correction = |beta: f32| 1.0 - f64::from(beta).powi(self.steps.min(i32::MAX as u64) as i32);
         let (c1, c2) = (correction(BETA1), correction(BETA2));
         let rate = (learning_rate * c2.sqrt() / c1) as f32;
         let epsilon = (f64::from(EPSILON) * c2.sqrt()) as f32;
-        let moments = self.first.iter_mut().zip(&mut self.second);
-        for ((v, &g), (m, s)) in values.iter_mut().zip(gradient).zip(moments) {
-            let g = g * shrink;
+        vectorised(Step { adam: self, values, gradient, shrink, rate, epsilon });
+        norm
+    }
+}
+
+struct SquareSum<'a>(&'a [f32]);
+
+impl Vectorised for SquareSum<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn call(self) -> f64 {
+        // Eight sums, so that one need not wait for the other.
+        let mut sums = [0.0; 8];
+        for part in self.0.chunks(8) {
+            sums.iter_mut().zip(part).for_each(|(s, &g)| *s += f64::from(g) * f64::from(g));
+        }
+        sums.iter().sum()
+    }
+}
+
+struct Step<'a> {
+    adam: &'a mut Adam,
+    values: &'a mut [f32],
+    gradient: &'a [f32],
+    shrink: f32,
+    rate: f32,
+    epsilon: f32,
+}
+
+impl Vectorised for Step<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let moments = self.adam.first.iter_mut().zip(&mut self.adam.second);
+        for ((v, &g), (m, s)) in self.values.iter_mut().zip(self.gradient).zip(moments) {
+            let g = g * self.shrink;
             *m += (1.0 - BETA1) * (g - *m);
             *s += (1.0 - BETA2) * (g * g - *s);
-            *v -= rate * *m / (s.sqrt() + epsilon);
+            *v -= self.rate * *m / (s.sqrt() + self.epsilon);
         }
-        norm
     }
 }
 

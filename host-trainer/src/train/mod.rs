@@ -2,15 +2,16 @@
 
 mod adam;
 mod advantage;
+mod networks;
 mod ppo;
 mod shard;
+mod softmax;
 mod trainer;
 mod update;
 mod workers;
 
 pub use adam::Adam;
 pub use advantage::{ValueNorm, advantages};
-pub use ppo::log_softmax;
-pub use shard::{floats, pick};
-pub use trainer::{Row, Stage, State, Trainer};
+pub use softmax::sample;
+pub use trainer::{Row, Stage, State, Trainer, dimensions};
 pub use workers::Workers;

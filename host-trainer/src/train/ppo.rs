@@ -1,24 +1,12 @@
 //! The PPO loss and its gradient (paper, equations 8 and 12), sample by sample.
 //!
-//! The gradient with respect to logits and values is written out here; burn's
-//! autodiff carries it through the networks.
+//! The gradient with respect to logits and values is written out here; the networks carry
+//! it back to their weights.
 
-use firmware_core::action::ACTIONS;
-
-/// Log-probabilities of a row of logits.
-#[must_use]
-pub fn log_softmax(logits: &[f32]) -> [f32; ACTIONS] {
-    softmax(logits).0
-}
-
-/// Log-probabilities and probabilities of a row of logits, with one exponential each.
-fn softmax(logits: &[f32]) -> ([f32; ACTIONS], [f32; ACTIONS]) {
-    let top = logits.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-    let weights: [f32; ACTIONS] = std::array::from_fn(|k| (logits[k] - top).exp());
-    let sum: f32 = weights.iter().sum();
-    let shift = top + sum.ln();
-    (std::array::from_fn(|k| logits[k] - shift), weights.map(|w| w / sum))
-}
+use super::softmax::{WIDTH, distribution, fold, row_of};
+use covey_net::Rows;
+use covey_net::exp;
+use covey_net::kernel::{Vectorised, vectorised};
 
 /// Numbers of the loss that come from the settings.
 #[derive(Clone, Copy, Debug)]
@@ -65,6 +53,7 @@ pub struct Sums {
 
 impl Sums {
     /// Adds those of another part.
+    #[inline(always)]
     pub fn add(&mut self, o: &Self) {
         self.policy_loss += o.policy_loss;
         self.value_loss += o.value_loss;
@@ -76,22 +65,49 @@ impl Sums {
 }
 
 impl Loss {
-    /// Adds a sample's loss to `sums` and overwrites its logits by the gradient of the
-    /// mean loss with respect to them; returns the gradient with respect to its value.
-    pub fn sample(&self, logits: &mut [f32], value: f32, s: &Sample, sums: &mut Sums) -> f32 {
-        let (log_p, p) = softmax(logits);
+    /// Adds the samples' losses to `sums` and overwrites their logits and values by the
+    /// gradient of the mean loss with respect to them.
+    ///
+    /// # Panics
+    /// When rows and samples differ in number.
+    pub fn backward(&self, logits: &mut Rows, values: &mut Rows, samples: &[Sample], sums: &mut Sums) {
+        struct Backward<'a>(&'a Loss, &'a mut Rows, &'a mut Rows, &'a [Sample], &'a mut Sums);
+        impl Vectorised for Backward<'_> {
+            type Output = ();
+            #[inline(always)]
+            fn call(self) {
+                let Self(loss, logits, values, samples, sums) = self;
+                let value_step = values.step();
+                let rows = logits.values_mut().chunks_exact_mut(WIDTH);
+                let rows = rows.zip(values.values_mut().chunks_exact_mut(value_step));
+                for ((logits, value), sample) in rows.zip(samples) {
+                    let (by_logits, by_value) = loss.sample(row_of(logits), value[0], sample, sums);
+                    logits.copy_from_slice(&by_logits);
+                    value[0] = by_value;
+                }
+            }
+        }
+        assert!(logits.rows() == samples.len() && values.rows() == samples.len(), "a row a sample");
+        vectorised(Backward(self, logits, values, samples, sums));
+    }
+
+    /// Adds a sample's loss to `sums`; returns the gradient of the mean loss with respect
+    /// to its logits and its value.
+    #[inline(always)]
+    fn sample(&self, logits: &[f32; WIDTH], value: f32, s: &Sample, sums: &mut Sums) -> ([f32; WIDTH], f32) {
+        let (log_p, p) = distribution(logits);
         let a = usize::from(s.action);
         let log_ratio = log_p[a] - s.log_probability;
-        let ratio = log_ratio.exp();
+        let ratio = exp(log_ratio);
         let clipped = ratio.clamp(1.0 - self.clip, 1.0 + self.clip);
         let surrogate = (ratio * s.advantage).min(clipped * s.advantage);
         // Where the clipped branch is the smaller one, it is constant.
         let pull = if ratio * s.advantage <= clipped * s.advantage { -ratio * s.advantage } else { 0.0 };
-        let entropy: f32 = -log_p.iter().zip(p).map(|(l, p)| p * l).sum::<f32>();
-        for (k, (g, (l, p))) in logits.iter_mut().zip(log_p.into_iter().zip(p)).enumerate() {
-            let policy = pull * (f32::from(u8::from(k == a)) - p);
-            *g = (policy + self.entropy * p * (l + entropy)) / self.samples;
-        }
+        let entropy = -fold(&std::array::from_fn(|k| p[k] * log_p[k]), |a, b| a + b);
+        let scale = self.samples.recip();
+        let mut by_logits: [f32; WIDTH] =
+            std::array::from_fn(|k| scale * p[k] * (self.entropy * (log_p[k] + entropy) - pull));
+        by_logits[a] += scale * pull;
         let error = value - s.target;
         let value_loss =
             if error.abs() <= self.huber { 0.5 * error * error } else { self.huber * (error.abs() - 0.5 * self.huber) };
@@ -103,7 +119,7 @@ impl Loss {
             clipped: f64::from(u8::from((ratio - 1.0).abs() > self.clip)),
             samples: 1.0,
         });
-        error.clamp(-self.huber, self.huber) / self.samples
+        (by_logits, error.clamp(-self.huber, self.huber) * scale)
     }
 }
 
@@ -121,17 +137,22 @@ mod tests {
             value in -3.0f32..3.0, target in -3.0f32..3.0,
         ) {
             let loss = Loss { clip: 0.2, entropy: 0.01, huber: 1.0, samples: 1.0 };
-            let log_probability = log_softmax(&logits)[usize::from(action)] + shift;
+            let padded = |logits: &[f32; 17]| {
+                let mut row = [0.0; WIDTH];
+                row[..17].copy_from_slice(logits);
+                row
+            };
+            let log_probability = distribution(&padded(&logits)).0[usize::from(action)] + shift;
             let s = Sample { action, log_probability, advantage, target };
             let total = |l: &[f32; 17], v: f32| {
-                let (mut l, mut sums) = (*l, Sums::default());
-                loss.sample(&mut l, v, &s, &mut sums);
+                let mut sums = Sums::default();
+                loss.sample(&padded(l), v, &s, &mut sums);
                 sums.policy_loss - 0.01 * sums.entropy + sums.value_loss
             };
             // At the edge of the clip range the loss has a corner.
             prop_assume!(((-shift).exp() - 1.2).abs() > 0.02 && ((-shift).exp() - 0.8).abs() > 0.02);
-            let mut gradient = logits;
-            let by_value = loss.sample(&mut gradient, value, &s, &mut Sums::default());
+            let (gradient, by_value) = loss.sample(&padded(&logits), value, &s, &mut Sums::default());
+            prop_assert!(gradient[17..].iter().all(|&g| g == 0.0));
             let h = 3e-3f32;
             for k in 0..17 {
                 let (mut up, mut down) = (logits, logits);

@@ -1,13 +1,12 @@
 //! One shard: some of the worlds, and what they went through in a segment.
 
 use super::advantage::{ValueNorm, advantages};
-use super::ppo::log_softmax;
-use crate::net::{ActorTensors, Batch, CriticTensors, actor_logits, critic_values};
+use super::networks::{Networks, Workspace};
+use super::softmax;
 use crate::settings::Settings;
-use burn::tensor::{Device, Tensor};
 use covey_env::{EpisodeMetrics, Links, Observer, World};
+use covey_net::worlds_in_pass;
 use firmware_core::action::{ACTIONS, Action};
-use firmware_core::actor::Aggregation;
 use firmware_core::observation::{LEN, Observation};
 use firmware_core::random::action_draw;
 
@@ -33,18 +32,6 @@ pub struct Shard {
     pub advantages: Vec<f32>,
     /// Returns in reward units.
     pub returns: Vec<f32>,
-}
-
-/// Networks as plain tensors, for passes without gradients.
-pub struct Nets<'t> {
-    /// Form of the actor.
-    pub aggregation: Aggregation,
-    /// Actor, in layout order.
-    pub actor: &'t [Tensor<2>],
-    /// Critic, in layout order.
-    pub critic: &'t [Tensor<2>],
-    /// Where they live.
-    pub device: &'t Device,
 }
 
 /// Seed of the on-board random numbers of training episode `episode`.
@@ -110,31 +97,50 @@ impl Shard {
         }
     }
 
-    /// A batch of the rows at `start..start + len`, for passes without gradients.
-    fn batch(&self, start: usize, nets: &Nets<'_>) -> Batch {
-        let end = start + self.row();
-        Batch::new(&self.observations[start..end], &self.links[start..end], self.uavs, nets.aggregation, nets.device)
-    }
-
     /// Plays a segment with sampled actions, values it and computes advantages.
-    pub fn play(&mut self, s: &Settings, nets: &Nets<'_>, norm: &ValueNorm) {
+    pub fn play(&mut self, s: &Settings, nets: &Networks, norm: &ValueNorm, work: &mut Workspace) {
         let row = self.row();
         let last = self.steps * row;
         self.observations.copy_within(last.., 0);
         self.links.copy_within(last.., 0);
-        for t in 0..self.steps {
-            let logits = actor_logits(&ActorTensors::new(nets.actor, nets.aggregation), &self.batch(t * row, nets));
-            self.act(t, &floats(logits));
-            self.step(t, s);
-            self.observe((t + 1) * row);
-        }
         for t in 0..=self.steps {
-            let values = critic_values(&CriticTensors(nets.critic), &self.batch(t * row, nets));
-            for (v, raw) in self.values[t * row..(t + 1) * row].iter_mut().zip(floats(values)) {
-                *v = norm.restore(raw);
+            self.look(t, nets, norm, work);
+            if t < self.steps {
+                self.step(t, s);
+                self.observe((t + 1) * row);
             }
         }
         self.estimate(s);
+    }
+
+    /// Values the state before step `t` and, if the segment has this step, samples its
+    /// actions.
+    fn look(&mut self, t: usize, nets: &Networks, norm: &ValueNorm, work: &mut Workspace) {
+        let (n, row) = (self.uavs, self.row());
+        let pass = worlds_in_pass(n, self.worlds.len());
+        for first in (0..self.worlds.len()).step_by(pass) {
+            let worlds = first..(first + pass).min(self.worlds.len());
+            let place = t * row + worlds.start * n..t * row + worlds.end * n;
+            work.see(n, &self.observations[place.clone()], &self.links[place.clone()]);
+            work.critic.forward(&nets.critic, &work.inputs);
+            let raw = work.critic.values();
+            let raw = raw.values().iter().step_by(raw.step());
+            self.values[place.clone()].iter_mut().zip(raw).for_each(|(v, &raw)| *v = norm.restore(raw));
+            if t < self.steps {
+                work.actor.forward(&nets.actor, &work.inputs);
+                work.draws.clear();
+                for (world, seed) in self.worlds[worlds.clone()].iter().zip(&self.policy_seeds[worlds]) {
+                    let draw = |id| action_draw(*seed, id as u16, world.steps_done());
+                    work.draws.extend((0..n).map(|id| f64::from(draw(id)) / (1u64 << 32) as f64));
+                }
+                let taken = &mut self.actions[place.clone()];
+                let log_p = &mut self.log_probabilities[place];
+                softmax::sample(work.actor.logits(), &work.draws, |k, action, l| {
+                    taken[k] = action;
+                    log_p[k] = l;
+                });
+            }
+        }
     }
 
     /// Plays a segment with uniformly random actions: the environment alone.
@@ -149,20 +155,6 @@ impl Shard {
             }
             self.step(t, s);
             self.observe((t + 1) * row);
-        }
-    }
-
-    /// Samples the actions of step `t`.
-    fn act(&mut self, t: usize, logits: &[f32]) {
-        let row = self.row();
-        for (k, row_logits) in logits.chunks_exact(logits.len() / row).enumerate() {
-            let (world, id) = (k / self.uavs, k % self.uavs);
-            let step = self.worlds[world].steps_done();
-            let log_p = log_softmax(row_logits);
-            let draw = f64::from(action_draw(self.policy_seeds[world], id as u16, step)) / (1u64 << 32) as f64;
-            let action = pick(&log_p, draw);
-            self.actions[t * row + k] = action;
-            self.log_probabilities[t * row + k] = log_p[usize::from(action.index())];
         }
     }
 
@@ -205,26 +197,4 @@ impl Shard {
     pub fn metrics(&self) -> Vec<EpisodeMetrics> {
         self.worlds.iter().map(World::metrics).collect()
     }
-}
-
-/// The action in which `draw` of the probability falls.
-#[must_use]
-pub fn pick(log_p: &[f32], draw: f64) -> Action {
-    let mut left = draw;
-    for (action, l) in Action::all().zip(log_p) {
-        left -= f64::from(*l).exp();
-        if left < 0.0 {
-            return action;
-        }
-    }
-    Action::COAST
-}
-
-/// The numbers of a tensor.
-///
-/// # Panics
-/// When it does not hold `f32`.
-#[must_use]
-pub fn floats(t: Tensor<2>) -> Vec<f32> {
-    t.into_data().try_into_vec().expect("a float tensor")
 }

@@ -2,15 +2,18 @@
 
 use super::adam::Adam;
 use super::advantage::{ValueNorm, moments};
+use super::networks::{Networks, Workspace};
 use super::ppo::Loss;
-use super::shard::{Nets, Shard};
+use super::shard::Shard;
 use super::update::{Learner, Outcome, Plan, Segment, update};
 use super::workers::Workers;
-use crate::net::{Layout, dimensions, initialise};
 use crate::settings::Settings;
-use burn::tensor::Device;
 use covey_env::{EpisodeMetrics, ScenarioError};
+use covey_net::{Layout, initialise};
 use covey_report::metrics::nan_as_null;
+use firmware_core::action::ACTIONS;
+use firmware_core::actor::Dimensions;
+use firmware_core::observation;
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
@@ -149,6 +152,8 @@ pub struct Trainer {
     layouts: [Layout; 2],
     state: State,
     shards: Vec<Shard>,
+    nets: Networks,
+    work: Vec<Workspace>,
 }
 
 impl Trainer {
@@ -177,10 +182,15 @@ impl Trainer {
     /// When the scenario cannot be built.
     pub fn resume(settings: Settings, state: State) -> Result<Self, ScenarioError> {
         let (worlds, shards) = (settings.worlds as usize, settings.shards as usize);
-        let shards = (0..shards)
+        let shards: Vec<_> = (0..shards)
             .map(|k| Shard::new(&settings, (k + 1) * worlds / shards - k * worlds / shards))
             .collect::<Result<_, _>>()?;
-        Ok(Self { layouts: Self::layouts(&settings), settings, state, shards })
+        let layouts = Self::layouts(&settings);
+        let mut nets = Networks::new(&layouts, settings.graph.0);
+        nets.actor.load(&state.actor);
+        nets.critic.load(&state.critic);
+        let work = shards.iter().map(|_| Workspace::new(&layouts, observation::LEN)).collect();
+        Ok(Self { layouts, settings, state, shards, nets, work })
     }
 
     /// Layouts of actor and critic.
@@ -266,12 +276,9 @@ impl Trainer {
 
     /// Plays a segment in every world.
     fn play(&mut self, s: &Settings, workers: &Workers) {
-        let device = Device::flex();
-        let actor = self.layouts[0].tensors(&self.state.actor, &device);
-        let critic = self.layouts[1].tensors(&self.state.critic, &device);
-        let nets = Nets { aggregation: s.graph.0, actor: &actor, critic: &critic, device: &device };
-        let norm = self.state.norm;
-        workers.run(self.shards.iter_mut().collect(), |_, shard| shard.play(s, &nets, &norm));
+        let (nets, norm) = (&self.nets, self.state.norm);
+        let items = self.shards.iter_mut().zip(&mut self.work).collect();
+        workers.run(items, |_, (shard, work): (&mut Shard, &mut Workspace)| shard.play(s, nets, &norm, work));
     }
 
     fn learn(&mut self, s: &Settings, workers: &Workers, number: u64, progress: f64, learning_rate: f64) -> Outcome {
@@ -288,7 +295,6 @@ impl Trainer {
         let plan = Plan {
             epochs: s.epochs,
             minibatch: s.minibatch as usize,
-            parts: s.shards as usize,
             learning_rate,
             gradient_norm: s.gradient_norm,
             loss: Loss {
@@ -301,10 +307,10 @@ impl Trainer {
         };
         let state = &mut self.state;
         let mut learner = Learner {
-            aggregation: s.graph.0,
-            layouts: [&self.layouts[0], &self.layouts[1]],
+            nets: &mut self.nets,
             values: [&mut state.actor, &mut state.critic],
             adam: [&mut state.actor_adam, &mut state.critic_adam],
+            work: &mut self.work,
         };
         let outcome = update(&mut learner, &segment, &plan, workers);
         // Early on the average is over all updates so far, or the first weights would linger.
@@ -348,5 +354,17 @@ impl Trainer {
             explained_variance,
             learning_rate,
         }
+    }
+}
+
+/// Widths of the networks for these settings.
+#[must_use]
+pub fn dimensions(s: &Settings) -> Dimensions {
+    Dimensions {
+        observation: observation::LEN as u16,
+        hidden: s.hidden,
+        feature: s.feature,
+        head: s.head,
+        actions: ACTIONS as u16,
     }
 }

@@ -3,13 +3,12 @@
 
 use super::adam::Adam;
 use super::advantage::ValueNorm;
+use super::networks::{Networks, Workspace};
 use super::ppo::{Loss, Sample, Sums};
-use super::shard::{Shard, floats};
+use super::shard::Shard;
 use super::workers::Workers;
-use crate::net::{ActorTensors, Batch, CriticTensors, Layout, actor_logits, critic_values};
-use burn::tensor::{Device, Tensor, TensorData};
 use covey_env::random::{below, stream};
-use firmware_core::actor::Aggregation;
+use covey_net::{ActorNet, CriticNet, worlds_in_pass};
 
 /// A world-step of the segment.
 #[derive(Clone, Copy)]
@@ -33,16 +32,29 @@ pub struct Segment<'s> {
     pub norm: ValueNorm,
 }
 
+impl Segment<'_> {
+    /// The sample at place `at` of a shard.
+    fn sample(&self, s: &Shard, at: usize) -> Sample {
+        let (mean, deviation) = self.advantage;
+        Sample {
+            action: s.actions[at].index(),
+            log_probability: s.log_probabilities[at],
+            advantage: ((f64::from(s.advantages[at]) - mean) / (deviation + 1e-8)) as f32,
+            target: self.norm.normalise(s.returns[at]),
+        }
+    }
+}
+
 /// Both networks with their optimisers.
 pub struct Learner<'l> {
-    /// Form of the actor.
-    pub aggregation: Aggregation,
-    /// Layouts of actor and critic.
-    pub layouts: [&'l Layout; 2],
-    /// Their parameters.
+    /// As products read them.
+    pub nets: &'l mut Networks,
+    /// The parameters of actor and critic.
     pub values: [&'l mut Vec<f32>; 2],
     /// Their optimisers.
     pub adam: [&'l mut Adam; 2],
+    /// Buffers, one a part of a minibatch.
+    pub work: &'l mut [Workspace],
 }
 
 /// How to update.
@@ -51,8 +63,6 @@ pub struct Plan {
     pub epochs: u32,
     /// Agent samples in a minibatch.
     pub minibatch: usize,
-    /// Parts of a minibatch.
-    pub parts: usize,
     /// Learning rate.
     pub learning_rate: f64,
     /// Greatest norm of each network's gradient.
@@ -80,19 +90,15 @@ pub fn update(learner: &mut Learner<'_>, segment: &Segment<'_>, plan: &Plan, wor
     let count = ((places.len() * segment.uavs + plan.minibatch / 2) / plan.minibatch).clamp(1, places.len());
     let mut random = stream("ppo shuffle", plan.shuffle.0, plan.shuffle.1);
     let mut outcome = Outcome::default();
-    let mut gradients = [0, 1].map(|k| vec![0.0; learner.layouts[k].len()]);
     for _ in 0..plan.epochs {
         for k in (1..places.len()).rev() {
             places.swap(k, below(&mut random, k as u32 + 1) as usize);
         }
         for m in 0..count {
             let batch = &places[m * places.len() / count..(m + 1) * places.len() / count];
-            let sums = gradient(learner, segment, plan, workers, batch, &mut gradients);
-            outcome.sums.add(&sums);
-            let networks = learner.adam.iter_mut().zip(&mut learner.values).zip(&gradients);
-            for (norm, ((adam, values), gradient)) in outcome.norms.iter_mut().zip(networks) {
-                *norm += adam.step(values, gradient, plan.learning_rate, plan.gradient_norm);
-            }
+            outcome.sums.add(&gradient(learner, segment, plan, workers, batch));
+            let norms = step(learner, plan, workers);
+            outcome.norms.iter_mut().zip(norms).for_each(|(sum, norm)| *sum += norm);
             outcome.minibatches += 1.0;
         }
     }
@@ -108,85 +114,74 @@ fn places(segment: &Segment<'_>) -> Vec<Place> {
     places
 }
 
-/// Gradient of the mean loss of a minibatch, for both networks.
-fn gradient(
-    learner: &Learner<'_>,
-    segment: &Segment<'_>,
-    plan: &Plan,
-    workers: &Workers,
-    batch: &[Place],
-    out: &mut [Vec<f32>; 2],
-) -> Sums {
-    let device = Device::flex();
-    let tensors = [0, 1].map(|k| learner.layouts[k].tensors(learner.values[k], &device));
+/// Gradient of the mean loss of a minibatch, for both networks: the first of each
+/// workspace's `gradients` are the parts to sum.
+fn gradient(learner: &mut Learner<'_>, segment: &Segment<'_>, plan: &Plan, workers: &Workers, batch: &[Place]) -> Sums {
     let loss = Loss { samples: (batch.len() * segment.uavs) as f32, ..plan.loss };
-    let parts = plan.parts.min(batch.len());
-    let slices = (0..parts).map(|p| &batch[p * batch.len() / parts..(p + 1) * batch.len() / parts]).collect();
-    let results = workers.run(slices, |_, slice: &[Place]| part(learner, segment, &tensors, &loss, slice));
+    let parts = learner.work.len();
+    let slices = (0..parts).map(|p| &batch[p * batch.len() / parts..(p + 1) * batch.len() / parts]);
+    let items = slices.zip(&mut *learner.work).collect();
+    let (nets, values) = (&*learner.nets, &learner.values);
+    let results = workers.run(items, |_, (slice, work): (&[Place], &mut Workspace)| {
+        let sums = part(nets, segment, &loss, slice, work);
+        work.sums.0.store(values[0], &mut work.gradients[0]);
+        work.sums.1.store(&mut work.gradients[1]);
+        sums
+    });
     let mut sums = Sums::default();
-    out.iter_mut().for_each(|g| g.fill(0.0));
-    for (part_sums, part_gradients) in results {
-        sums.add(&part_sums);
-        for (sum, part) in out.iter_mut().zip(part_gradients) {
-            sum.iter_mut().zip(part).for_each(|(s, g)| *s += g);
-        }
-    }
+    results.iter().for_each(|s| sums.add(s));
     sums
 }
 
 /// Loss and gradients of a part of a minibatch.
-fn part(
-    learner: &Learner<'_>,
-    segment: &Segment<'_>,
-    tensors: &[Vec<Tensor<2>>; 2],
-    loss: &Loss,
-    places: &[Place],
-) -> (Sums, [Vec<f32>; 2]) {
-    let leaves =
-        [0, 1].map(|k| -> Vec<Tensor<2>> { tensors[k].iter().map(|t| t.clone().autodiff().require_grad()).collect() });
-    let batch = gather(segment, learner.aggregation, places);
-    let logits = actor_logits(&ActorTensors::new(&leaves[0], learner.aggregation), &batch);
-    let values = critic_values(&CriticTensors(&leaves[1]), &batch);
-    let mut by_logits = floats(logits.clone().inner());
-    let mut by_values = floats(values.clone().inner());
+fn part(nets: &Networks, segment: &Segment<'_>, loss: &Loss, places: &[Place], work: &mut Workspace) -> Sums {
     let mut sums = Sums::default();
-    let (mean, deviation) = segment.advantage;
-    let width = by_logits.len() / by_values.len();
-    let agents = places.iter().flat_map(|p| (0..segment.uavs).map(move |i| (p.shard as usize, p.first as usize + i)));
-    for ((row, v), (shard, at)) in by_logits.chunks_exact_mut(width).zip(&mut by_values).zip(agents) {
-        let s = &segment.shards[shard];
-        let sample = Sample {
-            action: s.actions[at].index(),
-            log_probability: s.log_probabilities[at],
-            advantage: ((f64::from(s.advantages[at]) - mean) / (deviation + 1e-8)) as f32,
-            target: segment.norm.normalise(s.returns[at]),
-        };
-        *v = loss.sample(row, *v, &sample, &mut sums);
+    let uavs = segment.uavs;
+    work.sums.0.clear();
+    work.sums.1.clear();
+    for places in places.chunks(worlds_in_pass(uavs, places.len())) {
+        work.inputs.clear(uavs);
+        work.samples.clear();
+        for p in places {
+            let (s, at) = (&segment.shards[p.shard as usize], p.first as usize);
+            work.inputs.push(&s.observations[at..at + uavs], &s.links[at..at + uavs]);
+            work.samples.extend((at..at + uavs).map(|at| segment.sample(s, at)));
+        }
+        work.actor.forward(&nets.actor, &work.inputs);
+        work.critic.forward(&nets.critic, &work.inputs);
+        loss.backward(work.actor.logits_mut(), work.critic.values_mut(), &work.samples, &mut sums);
+        work.actor.backward(&nets.actor, &work.inputs, &mut work.sums.0);
+        work.critic.backward(&nets.critic, &work.inputs, &mut work.sums.1);
     }
-    let gradients = [
-        backward(logits, by_logits, learner.layouts[0], &leaves[0]),
-        backward(values, by_values, learner.layouts[1], &leaves[1]),
-    ];
-    (sums, gradients)
+    sums
 }
 
-/// Carries the gradient at a network's output back to its parameters.
-fn backward(output: Tensor<2>, by_output: Vec<f32>, layout: &Layout, leaves: &[Tensor<2>]) -> Vec<f32> {
-    let shape = output.dims();
-    let weights = Tensor::<2>::from_data(TensorData::new(by_output, shape), &Device::flex()).autodiff();
-    let mut gradients = (output * weights).sum().backward();
-    let mut sum = vec![0.0; layout.len()];
-    layout.add_gradients(leaves, &mut gradients, &mut sum);
-    sum
+/// A network's parameters as products read them.
+enum Net<'n> {
+    Actor(&'n mut ActorNet),
+    Critic(&'n mut CriticNet),
 }
 
-fn gather(segment: &Segment<'_>, aggregation: Aggregation, places: &[Place]) -> Batch {
-    let mut observations = Vec::with_capacity(places.len() * segment.uavs);
-    let mut links = Vec::with_capacity(places.len() * segment.uavs);
-    for p in places {
-        let (s, at) = (&segment.shards[p.shard as usize], p.first as usize);
-        observations.extend_from_slice(&s.observations[at..at + segment.uavs]);
-        links.extend_from_slice(&s.links[at..at + segment.uavs]);
+/// A step of both optimisers against the sum of the parts' gradients; returns the norms.
+fn step(learner: &mut Learner<'_>, plan: &Plan, workers: &Workers) -> [f64; 2] {
+    let nets = [Net::Actor(&mut learner.nets.actor), Net::Critic(&mut learner.nets.critic)];
+    // The first part's vectors become the sums.
+    let mut parts: [Vec<&mut Vec<f32>>; 2] = [Vec::new(), Vec::new()];
+    for work in &mut *learner.work {
+        parts.iter_mut().zip(&mut work.gradients).for_each(|(p, g)| p.push(g));
     }
-    Batch::new(&observations, &links, segment.uavs, aggregation, &Device::flex().autodiff())
+    let both = nets.into_iter().zip(parts).zip(learner.values.iter_mut().zip(&mut learner.adam)).collect();
+    let norms = workers.run(both, |_, ((net, parts), (values, adam))| {
+        let [sum, rest @ ..] = &mut parts.into_iter().collect::<Vec<_>>()[..] else { return 0.0 };
+        for part in rest {
+            sum.iter_mut().zip(part.iter()).for_each(|(s, g)| *s += g);
+        }
+        let norm = adam.step(values, sum, plan.learning_rate, plan.gradient_norm);
+        match net {
+            Net::Actor(net) => net.load(values),
+            Net::Critic(net) => net.load(values),
+        }
+        norm
+    });
+    [norms[0], norms[1]]
 }

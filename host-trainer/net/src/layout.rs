@@ -1,18 +1,7 @@
-//! The networks of the trainer: shared actor, central critic.
-//!
-//! Parameters live in one flat vector a network, so that gradients of several shards
-//! are summed, clipped and applied as plain slices and a checkpoint is the vectors
-//! themselves. burn's tensors are made from them for each pass.
+//! Places of the parameters in a network's flat vector.
 
-mod forward;
-mod init;
-
-pub use forward::{ActorPass, ActorTensors, Batch, CriticTensors, actor_logits, actor_pass, critic_values};
-pub use init::initialise;
-
-use burn::tensor::{Device, Gradients, Tensor, TensorData};
+use firmware_core::action::ACTIONS;
 use firmware_core::actor::{Aggregation, Dimensions};
-use firmware_core::{action::ACTIONS, observation};
 
 /// One weight matrix (`inputs × outputs`, row-major) or bias (`1 × outputs`).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,40 +122,32 @@ impl Layout {
         self.pieces.iter().find(|p| p.name == name).map_or(&[], |p| &values[p.start..p.start + p.len()])
     }
 
-    /// Tensors of a flat vector, in order.
+    /// Whether there is a piece of this name.
     #[must_use]
-    pub fn tensors(&self, values: &[f32], device: &Device) -> Vec<Tensor<2>> {
-        self.pieces
-            .iter()
-            .map(|p| {
-                let numbers = values[p.start..p.start + p.len()].to_vec();
-                Tensor::from_data(TensorData::new(numbers, [p.inputs, p.outputs]), device)
-            })
-            .collect()
+    pub fn has(&self, name: &str) -> bool {
+        self.pieces.iter().any(|p| p.name == name)
     }
 
-    /// Adds the gradients of `leaves` (as [`Self::tensors`] ordered them) to `sum`.
-    pub fn add_gradients(&self, leaves: &[Tensor<2>], gradients: &mut Gradients, sum: &mut [f32]) {
-        for (piece, leaf) in self.pieces.iter().zip(leaves) {
-            // A piece that the loss does not reach has no gradient: it is zero.
-            let Some(g) = leaf.grad_remove(gradients) else { continue };
-            let data = g.into_data();
-            let place = &mut sum[piece.start..piece.start + piece.len()];
-            for (s, g) in place.iter_mut().zip(data.iter::<f32>()) {
-                *s += g;
-            }
-        }
+    /// Rows and columns of the piece of this name.
+    ///
+    /// # Panics
+    /// When there is none.
+    #[must_use]
+    pub fn shape(&self, name: &str) -> (usize, usize) {
+        let piece = self.find(name);
+        (piece.inputs, piece.outputs)
     }
-}
 
-/// Widths of the network for these settings.
-#[must_use]
-pub fn dimensions(s: &crate::settings::Settings) -> Dimensions {
-    Dimensions {
-        observation: observation::LEN as u16,
-        hidden: s.hidden,
-        feature: s.feature,
-        head: s.head,
-        actions: ACTIONS as u16,
+    /// The numbers of the piece of this name.
+    ///
+    /// # Panics
+    /// When there is none.
+    pub fn piece_mut<'v>(&self, values: &'v mut [f32], name: &str) -> &'v mut [f32] {
+        let piece = self.find(name);
+        &mut values[piece.start..piece.start + piece.len()]
+    }
+
+    fn find(&self, name: &str) -> &Piece {
+        self.pieces.iter().find(|p| p.name == name).unwrap_or_else(|| panic!("no piece {name}"))
     }
 }

@@ -1,6 +1,6 @@
 //! Orthogonal initialisation.
 
-use super::Layout;
+use crate::layout::Layout;
 use covey_env::random::{normal_pair, stream};
 use rand_chacha::ChaCha8Rng;
 

@@ -1,13 +1,13 @@
-//! The networks in burn against the paper's equations written down in loops, and burn's
-//! gradients against slopes of those.
+//! The networks against the paper's equations written down in loops, and their gradients
+//! against slopes of those.
 
-use burn::tensor::{Device, Tensor, TensorData};
 use covey_env::{Law, Links, Observer, Scenario, World};
+use covey_net::{
+    ActorGradient, ActorNet, ActorPass, CriticGradient, CriticNet, CriticPass, Inputs, Layout, Rows, initialise,
+};
 use firmware_core::action::{ACTIONS, Action};
 use firmware_core::actor::{Aggregation, Dimensions};
 use firmware_core::observation::{LEN, Observation};
-use host_trainer::net::{ActorTensors, Batch, CriticTensors, Layout, actor_logits, critic_values, initialise};
-use host_trainer::train::floats;
 
 const UAVS: usize = 6;
 const DIMENSIONS: Dimensions =
@@ -139,40 +139,63 @@ fn critic(p: &Named<'_>, observations: &[Observation]) -> Vec<f64> {
 trait Network {
     fn layout(&self) -> Layout;
     fn in_loops(&self, p: &Named<'_>, observations: &[Observation], links: &[Links]) -> Vec<f64>;
-    fn in_burn(&self, tensors: &[Tensor<2>], batch: &Batch) -> Tensor<2>;
-    fn aggregation(&self) -> Aggregation;
+    /// Outputs, and the gradient of Σ_k c_k·output_k.
+    fn by_hand(&self, values: &[f32], inputs: &Inputs, coefficients: &[f64]) -> (Vec<f32>, Vec<f32>);
 }
 
-struct ActorNet(Aggregation);
-struct CriticNet;
+struct Actor(Aggregation);
+struct Critic;
 
-impl Network for ActorNet {
+/// The numbers of all rows; then `coefficients` stand there.
+fn exchange(rows: &mut Rows, coefficients: &[f64]) -> Vec<f32> {
+    let (step, width) = (rows.step(), rows.width());
+    let mut out = Vec::new();
+    for (row, c) in rows.values_mut().chunks_exact_mut(step).zip(coefficients.chunks_exact(width)) {
+        out.extend_from_slice(&row[..width]);
+        row.iter_mut().zip(c).for_each(|(r, &c)| *r = c as f32);
+    }
+    out
+}
+
+impl Network for Actor {
     fn layout(&self) -> Layout {
         Layout::actor(DIMENSIONS, self.0)
     }
     fn in_loops(&self, p: &Named<'_>, observations: &[Observation], links: &[Links]) -> Vec<f64> {
         actor(p, self.0, observations, links)
     }
-    fn in_burn(&self, tensors: &[Tensor<2>], batch: &Batch) -> Tensor<2> {
-        actor_logits(&ActorTensors::new(tensors, self.0), batch)
-    }
-    fn aggregation(&self) -> Aggregation {
-        self.0
+    fn by_hand(&self, values: &[f32], inputs: &Inputs, coefficients: &[f64]) -> (Vec<f32>, Vec<f32>) {
+        let layout = self.layout();
+        let mut net = ActorNet::new(&layout, self.0);
+        net.load(values);
+        let (mut pass, mut sum) = (ActorPass::new(&layout), ActorGradient::new(&layout));
+        pass.forward(&net, inputs);
+        let out = exchange(pass.logits_mut(), coefficients);
+        pass.backward(&net, inputs, &mut sum);
+        let mut gradient = vec![f32::NAN; layout.len()];
+        sum.store(values, &mut gradient);
+        (out, gradient)
     }
 }
 
-impl Network for CriticNet {
+impl Network for Critic {
     fn layout(&self) -> Layout {
         Layout::critic(DIMENSIONS)
     }
     fn in_loops(&self, p: &Named<'_>, observations: &[Observation], _: &[Links]) -> Vec<f64> {
         critic(p, observations)
     }
-    fn in_burn(&self, tensors: &[Tensor<2>], batch: &Batch) -> Tensor<2> {
-        critic_values(&CriticTensors(tensors), batch)
-    }
-    fn aggregation(&self) -> Aggregation {
-        Aggregation::Gcn
+    fn by_hand(&self, values: &[f32], inputs: &Inputs, coefficients: &[f64]) -> (Vec<f32>, Vec<f32>) {
+        let layout = self.layout();
+        let mut net = CriticNet::new(&layout);
+        net.load(values);
+        let (mut pass, mut sum) = (CriticPass::new(&layout), CriticGradient::new(&layout));
+        pass.forward(&net, inputs);
+        let out = exchange(pass.values_mut(), coefficients);
+        pass.backward(&net, inputs, &mut sum);
+        let mut gradient = vec![f32::NAN; layout.len()];
+        sum.store(&mut gradient);
+        (out, gradient)
     }
 }
 
@@ -190,25 +213,17 @@ fn check(net: &impl Network) {
     let scale = wanted.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     assert!(scale > 0.1, "a dead network shows nothing");
 
-    let plain = layout.tensors(&values, &Device::flex());
-    let batch = Batch::new(&seen.0, &seen.1, UAVS, net.aggregation(), &Device::flex());
-    for (k, (got, want)) in floats(net.in_burn(&plain, &batch)).into_iter().zip(&wanted).enumerate() {
+    let mut inputs = Inputs::new(LEN);
+    inputs.clear(UAVS);
+    inputs.push(&seen.0, &seen.1);
+    let coefficients: Vec<f64> = (0..wanted.len()).map(|k| noise(1_000_000 + k)).collect();
+    let (outputs, slopes) = net.by_hand(&values, &inputs, &coefficients);
+    assert_eq!(outputs.len(), wanted.len());
+    for (k, (got, want)) in outputs.into_iter().zip(&wanted).enumerate() {
         assert!((f64::from(got) - want).abs() < 2e-6 * (1.0 + scale), "output {k}: {got}, not {want}");
     }
 
-    // The slope of Σ_k c_k·output_k, forwards by autodiff and by two steps aside.
-    let coefficients: Vec<f64> = (0..wanted.len()).map(|k| noise(1_000_000 + k)).collect();
-    let device = Device::flex().autodiff();
-    let leaves: Vec<_> =
-        layout.tensors(&values, &Device::flex()).into_iter().map(|t| t.autodiff().require_grad()).collect();
-    let batch = Batch::new(&seen.0, &seen.1, UAVS, net.aggregation(), &device);
-    let output = net.in_burn(&leaves, &batch);
-    let weights: Vec<f32> = coefficients.iter().map(|&c| c as f32).collect();
-    let weights = Tensor::<2>::from_data(TensorData::new(weights, output.dims()), &Device::flex()).autodiff();
-    let mut gradients = (output * weights).sum().backward();
-    let mut slopes = vec![0.0; layout.len()];
-    layout.add_gradients(&leaves, &mut gradients, &mut slopes);
-
+    // The slope of Σ_k c_k·output_k by two steps aside.
     let total = |values: &[f64]| -> f64 {
         in_loops(net, &layout, values, &seen).iter().zip(&coefficients).map(|(o, c)| o * c).sum()
     };
@@ -232,20 +247,20 @@ fn check(net: &impl Network) {
 
 #[test]
 fn the_actor_without_a_graph_is_as_written_down() {
-    check(&ActorNet(Aggregation::None));
+    check(&Actor(Aggregation::None));
 }
 
 #[test]
 fn the_gcn_actor_is_equation_5() {
-    check(&ActorNet(Aggregation::Gcn));
+    check(&Actor(Aggregation::Gcn));
 }
 
 #[test]
 fn the_gat_actor_is_equations_6_and_7() {
-    check(&ActorNet(Aggregation::Gat));
+    check(&Actor(Aggregation::Gat));
 }
 
 #[test]
 fn the_critic_is_as_written_down() {
-    check(&CriticNet);
+    check(&Critic);
 }

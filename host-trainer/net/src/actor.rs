@@ -1,0 +1,254 @@
+//! The actor: encoder, aggregation, head on own feature and aggregate, 17 logits (paper,
+//! equations 5 to 7; figure 4).
+
+use crate::dense::{Bias, Dense, Gradient, Weights};
+use crate::encoder::{Encoder, EncoderGradient, EncoderPass};
+use crate::graph::{Attention, AttentionGradient, Edges};
+use crate::inputs::Inputs;
+use crate::layout::Layout;
+use crate::matrix::{From, Rows, To};
+use firmware_core::actor::Aggregation;
+
+/// An actor's parameters as products read them.
+#[derive(Clone, Debug)]
+pub struct ActorNet {
+    layout: Layout,
+    encoder: Encoder,
+    own: Weights,
+    head_bias: Bias,
+    output: Dense,
+    graph: Option<GraphLayer>,
+}
+
+#[derive(Clone, Debug)]
+struct GraphLayer {
+    weights: Dense,
+    head: Weights,
+    attention: Option<Attention>,
+}
+
+impl ActorNet {
+    /// For this layout, of an actor; all zeros until [`Self::load`].
+    #[must_use]
+    pub fn new(layout: &Layout, aggregation: Aggregation) -> Self {
+        Self {
+            encoder: Encoder::new(layout),
+            own: Weights::new(layout, "head own"),
+            head_bias: Bias::new(layout, "head"),
+            output: Dense::new(layout, "output"),
+            graph: (aggregation != Aggregation::None).then(|| GraphLayer {
+                weights: Dense::new(layout, "graph"),
+                head: Weights::new(layout, "head aggregate"),
+                attention: (aggregation == Aggregation::Gat).then(Attention::default),
+            }),
+            layout: layout.clone(),
+        }
+    }
+
+    /// Takes the parameters.
+    pub fn load(&mut self, values: &[f32]) {
+        let layout = &self.layout;
+        self.encoder.load(layout, values);
+        self.own.load(layout, values);
+        self.head_bias.load(layout, values);
+        self.output.load(layout, values);
+        if let Some(graph) = &mut self.graph {
+            graph.weights.load(layout, values);
+            graph.head.load(layout, values);
+            if let Some(a) = &mut graph.attention {
+                a.load(layout, values);
+            }
+        }
+    }
+}
+
+/// Everything between observations and logits, a row a UAV; then the way back.
+#[derive(Clone, Debug)]
+pub struct ActorPass {
+    encoder: EncoderPass,
+    graph: Option<GraphPass>,
+    head: Rows,
+    by_head: Rows,
+    logits: Rows,
+}
+
+#[derive(Clone, Debug)]
+struct GraphPass {
+    edges: Edges,
+    combined: Rows,
+    output: Rows,
+    by_combined: Rows,
+    by_output: Rows,
+}
+
+impl ActorPass {
+    /// For this layout, of an actor.
+    #[must_use]
+    pub fn new(layout: &Layout) -> Self {
+        let rows = |name| Rows::new(layout.shape(name).1);
+        Self {
+            encoder: EncoderPass::new(layout),
+            graph: layout.has("graph").then(|| GraphPass {
+                edges: Edges::default(),
+                combined: rows("graph"),
+                output: rows("graph"),
+                by_combined: rows("graph"),
+                by_output: rows("graph"),
+            }),
+            head: rows("head own"),
+            by_head: rows("head own"),
+            logits: rows("output"),
+        }
+    }
+
+    /// Computes the logits, in the order in which UAVs do it: the features are combined
+    /// first, then multiplied by `W`, which is the same as equations (5) and (7).
+    pub fn forward(&mut self, net: &ActorNet, inputs: &Inputs) {
+        self.encoder.forward(&net.encoder, inputs);
+        let feature = &self.encoder.feature;
+        if let (Some(pass), Some(layer)) = (&mut self.graph, &net.graph) {
+            pass.edges.forward(inputs, layer.attention.as_ref(), feature, &mut pass.combined);
+            layer.weights.forward(&pass.combined, To::Relu, &mut pass.output);
+            net.own.forward(feature, net.head_bias.start(), To::Plain, &mut self.head);
+            layer.head.forward(&pass.output, From::Kept, To::Relu, &mut self.head);
+        } else {
+            net.own.forward(feature, net.head_bias.start(), To::Relu, &mut self.head);
+        }
+        net.output.forward(&self.head, To::Plain, &mut self.logits);
+    }
+
+    /// Adds the gradient of the parameters to `sum`, after [`Self::forward`] with the same
+    /// net and inputs, when [`Self::logits_mut`] holds the gradient by the logits.
+    pub fn backward(&mut self, net: &ActorNet, inputs: &Inputs, sum: &mut ActorGradient) {
+        let (feature, by_feature) = (&self.encoder.feature, &mut self.encoder.by_feature);
+        self.logits.mark_all();
+        sum.output.add_weights(&self.head, &self.logits);
+        sum.output_bias.add_bias(&self.logits);
+        net.output.backward(&self.logits, To::Gate(&self.head), &mut self.by_head);
+        sum.own.add_weights(feature, &self.by_head);
+        sum.head_bias.add_bias(&self.by_head);
+        if let (Some(pass), Some(layer), Some(sum)) = (&mut self.graph, &net.graph, &mut sum.graph) {
+            sum.head.add_weights(&pass.output, &self.by_head);
+            layer.head.backward(&self.by_head, From::Zero, To::Gate(&pass.output), &mut pass.by_output);
+            sum.weights.add_weights(&pass.combined, &pass.by_output);
+            sum.bias.add_bias(&pass.by_output);
+            layer.weights.backward(&pass.by_output, To::Plain, &mut pass.by_combined);
+            net.own.backward(&self.by_head, From::Zero, To::Plain, by_feature);
+            let attention = layer.attention.as_ref().zip(sum.attention.as_mut());
+            pass.edges.backward(&pass.by_combined, feature, attention, by_feature);
+            by_feature.gate(feature);
+        } else {
+            net.own.backward(&self.by_head, From::Zero, To::Gate(feature), by_feature);
+        }
+        self.encoder.backward(&net.encoder, inputs, &mut sum.encoder);
+    }
+
+    /// First hidden layer.
+    #[must_use]
+    pub const fn hidden(&self) -> &Rows {
+        &self.encoder.hidden
+    }
+
+    /// Feature `h`.
+    #[must_use]
+    pub const fn feature(&self) -> &Rows {
+        &self.encoder.feature
+    }
+
+    /// Neighbourhood's features combined, and the graph layer's output; none without
+    /// aggregation.
+    #[must_use]
+    pub fn graph(&self) -> Option<(&Rows, &Rows)> {
+        self.graph.as_ref().map(|g| (&g.combined, &g.output))
+    }
+
+    /// Hidden layer of the head.
+    #[must_use]
+    pub const fn head(&self) -> &Rows {
+        &self.head
+    }
+
+    /// Logits, 17 wide.
+    #[must_use]
+    pub const fn logits(&self) -> &Rows {
+        &self.logits
+    }
+
+    /// Logits, to be replaced by the gradient by them.
+    pub const fn logits_mut(&mut self) -> &mut Rows {
+        &mut self.logits
+    }
+}
+
+/// Gradient of an actor's parameters: sums over samples.
+#[derive(Clone, Debug)]
+pub struct ActorGradient {
+    layout: Layout,
+    encoder: EncoderGradient,
+    own: Gradient,
+    head_bias: Gradient,
+    output: Gradient,
+    output_bias: Gradient,
+    graph: Option<GraphGradient>,
+}
+
+#[derive(Clone, Debug)]
+struct GraphGradient {
+    weights: Gradient,
+    bias: Gradient,
+    head: Gradient,
+    attention: Option<AttentionGradient>,
+}
+
+impl ActorGradient {
+    /// Zero, for this layout of an actor.
+    #[must_use]
+    pub fn new(layout: &Layout) -> Self {
+        Self {
+            encoder: EncoderGradient::new(layout),
+            own: Gradient::of_weights(layout, "head own"),
+            head_bias: Gradient::of_bias(layout, "head"),
+            output: Gradient::of_narrow_weights(layout, "output"),
+            output_bias: Gradient::of_bias(layout, "output"),
+            graph: layout.has("graph").then(|| GraphGradient {
+                weights: Gradient::of_weights(layout, "graph"),
+                bias: Gradient::of_bias(layout, "graph"),
+                head: Gradient::of_weights(layout, "head aggregate"),
+                attention: layout.has("attention sender").then(|| AttentionGradient::new(layout.shape("graph").0)),
+            }),
+            layout: layout.clone(),
+        }
+    }
+
+    /// Sets it to zero.
+    pub fn clear(&mut self) {
+        self.encoder.clear();
+        for g in [&mut self.own, &mut self.head_bias, &mut self.output, &mut self.output_bias] {
+            g.clear();
+        }
+        if let Some(g) = &mut self.graph {
+            for g in [&mut g.weights, &mut g.bias, &mut g.head] {
+                g.clear();
+            }
+            if let Some(a) = &mut g.attention {
+                a.clear();
+            }
+        }
+    }
+
+    /// Writes it as a flat vector; `values` are the parameters it was taken at.
+    pub fn store(&self, values: &[f32], out: &mut [f32]) {
+        self.encoder.store(&self.layout, out);
+        for g in [&self.own, &self.head_bias, &self.output, &self.output_bias] {
+            g.store(&self.layout, out);
+        }
+        if let Some(g) = &self.graph {
+            for g in [&g.weights, &g.bias, &g.head] {
+                g.store(&self.layout, out);
+            }
+            if let Some(a) = &g.attention {
+                a.store(&self.layout, values, out);
+            }
+        }
+    }
+}
