@@ -22,7 +22,7 @@ mod inputs;
 pub mod kernel;
 mod layout;
 mod math;
-mod matrix;
+pub mod matrix;
 
 pub use actor::{ActorGradient, ActorNet, ActorPass};
 pub use critic::{CriticGradient, CriticNet, CriticPass};

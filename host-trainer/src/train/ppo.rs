@@ -3,7 +3,7 @@
 //! The gradient with respect to logits and values is written out here; the networks carry
 //! it back to their weights.
 
-use super::softmax::{WIDTH, distribution, fold, row_of};
+use super::softmax::{WIDTH, distribution, row_of, sum};
 use covey_net::Rows;
 use covey_net::exp;
 use covey_net::kernel::{Vectorised, vectorised};
@@ -103,10 +103,14 @@ impl Loss {
         let surrogate = (ratio * s.advantage).min(clipped * s.advantage);
         // Where the clipped branch is the smaller one, it is constant.
         let pull = if ratio * s.advantage <= clipped * s.advantage { -ratio * s.advantage } else { 0.0 };
-        let entropy = -fold(&std::array::from_fn(|k| p[k] * log_p[k]), |a, b| a + b);
+        let mut terms = p;
+        terms.iter_mut().zip(&log_p).for_each(|(t, l)| *t *= l);
+        let entropy = -sum(&terms);
         let scale = self.samples.recip();
-        let mut by_logits: [f32; WIDTH] =
-            std::array::from_fn(|k| scale * p[k] * (self.entropy * (log_p[k] + entropy) - pull));
+        let mut by_logits = p;
+        for (g, l) in by_logits.iter_mut().zip(&log_p) {
+            *g *= scale * (self.entropy * (l + entropy) - pull);
+        }
         by_logits[a] += scale * pull;
         let error = value - s.target;
         let value_loss =

@@ -1,6 +1,6 @@
 //! The policy's distribution: probabilities from logits, and drawing from them.
 
-use covey_net::kernel::{Vectorised, padded, vectorised};
+use covey_net::kernel::{LANES, Vectorised, padded, vectorised};
 use covey_net::{Rows, exp, ln};
 use firmware_core::action::{ACTIONS, Action};
 
@@ -9,26 +9,35 @@ pub const WIDTH: usize = padded(ACTIONS);
 
 /// Log-probabilities and probabilities of a row of logits. Beyond the actions
 /// probabilities are zero and the logarithms any finite numbers.
+// Plain loops: closures of `map` and `from_fn` are not always inlined, see `Vectorised`.
 #[inline(always)]
 pub fn distribution(row: &[f32; WIDTH]) -> ([f32; WIDTH], [f32; WIDTH]) {
-    let mut logits = *row;
-    logits[ACTIONS..].fill(row[0]);
-    let top = fold(&logits, |a, b| if a > b { a } else { b });
-    let mut weights = logits.map(|l| exp(l - top));
-    weights[ACTIONS..].fill(0.0);
-    let sum = fold(&weights, |a, b| a + b);
+    let mut log_p = *row;
+    log_p[ACTIONS..].fill(row[0]);
+    let mut tops = [f32::NEG_INFINITY; LANES];
+    for part in log_p.chunks_exact(LANES) {
+        tops.iter_mut().zip(part).for_each(|(t, &l)| *t = if l > *t { l } else { *t });
+    }
+    let top = tops.iter().fold(tops[0], |a, &b| if b > a { b } else { a });
+    let mut p = [0.0; WIDTH];
+    p.iter_mut().zip(&log_p).for_each(|(p, l)| *p = exp(l - top));
+    p[ACTIONS..].fill(0.0);
+    let sum = sum(&p);
     let (shift, scale) = (top + ln(sum), sum.recip());
-    (logits.map(|l| l - shift), weights.map(|w| w * scale))
+    log_p.iter_mut().for_each(|l| *l -= shift);
+    p.iter_mut().for_each(|p| *p *= scale);
+    (log_p, p)
 }
 
-/// All numbers of a row together, by vectors and then by halves.
+/// Sum of a row, by vectors and then by halves.
 #[inline(always)]
-pub fn fold(row: &[f32; WIDTH], f: impl Fn(f32, f32) -> f32) -> f32 {
-    let four: [f32; 4] = std::array::from_fn(|k| {
-        let lane = |l: usize| f(f(row[l], row[8 + l]), row[16 + l]);
-        f(lane(k), lane(k + 4))
-    });
-    f(f(four[0], four[2]), f(four[1], four[3]))
+pub fn sum(row: &[f32; WIDTH]) -> f32 {
+    let mut sums = [0.0; LANES];
+    for part in row.chunks_exact(LANES) {
+        sums.iter_mut().zip(part).for_each(|(s, v)| *s += v);
+    }
+    let [a, b, c, d, e, f, g, h] = sums;
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
 /// A row of logits with its padding.

@@ -149,7 +149,6 @@ pub enum Stage {
 /// A run in memory.
 pub struct Trainer {
     settings: Settings,
-    layouts: [Layout; 2],
     state: State,
     shards: Vec<Shard>,
     nets: Networks,
@@ -190,7 +189,7 @@ impl Trainer {
         nets.actor.load(&state.actor);
         nets.critic.load(&state.critic);
         let work = shards.iter().map(|_| Workspace::new(&layouts, observation::LEN)).collect();
-        Ok(Self { layouts, settings, state, shards, nets, work })
+        Ok(Self { settings, state, shards, nets, work })
     }
 
     /// Layouts of actor and critic.
