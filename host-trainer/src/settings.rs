@@ -2,6 +2,7 @@
 //! table. A TOML file and `--set key=value` write to the same keys; unknown keys and
 //! bad values are errors that say what would be right.
 
+use covey_env::radio::MAX_NODES;
 use covey_env::{Law, Scenario};
 use firmware_core::actor::Aggregation;
 use serde::{Deserialize, Serialize};
@@ -166,6 +167,12 @@ settings! {
     head: u16 = 64, "2 to 128, even", |v| (2..=128).contains(v) && v % 2 == 0;
     /// Steps for which a UAV keeps its tie-breaker.
     tie_period: u32 = 1, "1 to 1000000", |v| (1..=1_000_000).contains(v);
+    /// Greatest share of messages between UAVs that is lost in training: each episode of each
+    /// world draws its own from 0 to this. 0 for a link that loses none.
+    link_loss: f64 = 0.0, "0 to 1", |v| (0.0..=1.0).contains(v);
+    /// Greatest delay of those messages, whole steps: each episode of each world draws its own
+    /// from 0 to this.
+    link_delay: u32 = 0, "0 to 2 steps", |v| (0..=2).contains(v);
     /// Seed of everything random in the run.
     seed: u64 = 10, "0 to 9223372036854775807", |v| i64::try_from(*v).is_ok();
     /// Training episodes, at most: whole rounds of `worlds`, at least one.
@@ -362,7 +369,19 @@ impl Settings {
                 self.shards, self.worlds
             )));
         }
+        if self.lossy() && usize::from(self.uavs) > MAX_NODES {
+            return Err(SettingsError::Together(format!(
+                "`uavs` is {}, but with `link_loss` or `link_delay` it must be at most {MAX_NODES}",
+                self.uavs
+            )));
+        }
         Ok(())
+    }
+
+    /// Whether messages are lost or late in training.
+    #[must_use]
+    pub fn lossy(&self) -> bool {
+        self.link_loss > 0.0 || self.link_delay > 0
     }
 
     /// The worlds to train on.

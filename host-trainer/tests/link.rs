@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{refuse, succeed, trainer};
+use common::{assert_same, refuse, results, resume, succeed, train, trainer};
 use serde_json::Value;
 use std::fs;
 
@@ -85,4 +85,40 @@ fn the_experiment_writes_a_page_and_a_picture() {
         assert!(page.contains(part), "no {part} in {page}");
     }
     assert!(picture.starts_with("<svg") && picture.contains("2 steps late") && picture.contains("bursts of 10"));
+}
+
+/// Training over a link: the same on any number of threads and after a stop, and another
+/// outcome than without.
+#[test]
+fn training_over_a_link_is_exact_too() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = |name: &str, settings: &[&str], threads: &str| {
+        let out = folder.path().join(name);
+        succeed(train(&out, settings).args(["--quiet", "--threads", threads]));
+        out
+    };
+    let lossy = ["episodes=12", "checkpoint_every=4", "link_loss=0.6", "link_delay=2"];
+    let one = run("one", &lossy, "1");
+    let whole = results(&one);
+    assert_same(&whole, &results(&run("three", &lossy, "3")), "three threads");
+    let newest = common::checkpoints(&one).pop().expect("a checkpoint");
+    fs::remove_file(newest).expect("removed");
+    succeed(resume(&one).arg("--quiet"));
+    assert_same(&whole, &results(&one), "resumed");
+    let without = results(&run("without", &lossy[..2], "2"));
+    assert_ne!(whole["metrics.jsonl"], without["metrics.jsonl"]);
+}
+
+#[test]
+fn links_that_cannot_be_trained_over_are_refused() {
+    let out = tempfile::tempdir().expect("a folder").path().join("run");
+    let cases: [(&[&str], &[&str]); 3] = [
+        (&["link_loss=1.5"], &["`link_loss` is 1.5", "0 to 1"]),
+        (&["link_delay=3"], &["`link_delay` is 3", "0 to 2"]),
+        (&["link_delay=1", "uavs=3000"], &["`uavs` is 3000", "at most 2048"]),
+    ];
+    for (settings, words) in cases {
+        refuse(&mut train(&out, settings), words);
+        assert!(!out.exists(), "{settings:?}: a run folder was made");
+    }
 }

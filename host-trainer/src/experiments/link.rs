@@ -114,15 +114,10 @@ impl LinkStudy {
     /// # Errors
     /// [`ReportError`].
     pub fn picture(&self) -> Result<String, ReportError> {
-        let late = |&delay: &u32| {
-            let name = match delay {
-                0 => "no delay".to_owned(),
-                1 => "1 step late".to_owned(),
-                n => format!("{n} steps late"),
-            };
-            self.curve(name, |loss| lossy(loss, None, delay))
+        let late = |&delay: &u32| self.curve(lateness(delay), |loss| lossy(loss, None, delay));
+        let burst = |&burst: &f64| {
+            self.curve(format!("bursts of {burst}"), |loss| lossy(loss, Some(burst).filter(|_| loss > 0.0), 0))
         };
-        let burst = |&burst: &f64| self.curve(format!("bursts of {burst}"), |loss| lossy(loss, Some(burst), 0));
         let lossless = self.measured.first().map_or(f64::NAN, |m| m.row.coverage);
         let bar =
             |(_, share): &(f64, f64)| Reference { name: percent(*share, 0) + " of lossless", y: share * lossless };
@@ -164,7 +159,7 @@ impl LinkStudy {
         );
         self.write_bars(&mut out);
         out += "\n## Loss and delay\n\nEach message is lost by itself. Coverage, and its share of that without loss and delay.\n\n";
-        let delays = DELAYS.map(|d| (format!("{d} steps late").replace("1 steps", "1 step"), lossy(0.0, None, d)));
+        let delays = DELAYS.map(|d| (lateness(d), lossy(0.0, None, d)));
         self.write_grid(&mut out, &delays);
         out += "\n## Losses in bursts\n\nMessages of one direction are lost in a row, this many in the mean; a step has two. No delay.\n\n";
         let bursts = BURSTS.map(|b| (format!("bursts of {b}"), lossy(0.0, Some(b), 0)));
@@ -222,6 +217,14 @@ impl LinkStudy {
                 percent(link.neighbours_with_feature, 1),
             );
         }
+    }
+}
+
+fn lateness(delay_steps: u32) -> String {
+    match delay_steps {
+        0 => "no delay".into(),
+        1 => "1 step late".into(),
+        n => format!("{n} steps late"),
     }
 }
 

@@ -1,10 +1,12 @@
 //! One shard: some of the worlds, and what they went through in a segment.
 
 use super::advantage::{ValueNorm, advantages};
+use super::link::Eyes;
 use super::networks::{Networks, Workspace};
 use super::softmax;
 use crate::settings::Settings;
-use covey_env::{EpisodeMetrics, Links, Observer, World};
+use covey_env::radio::OverLinkError;
+use covey_env::{EpisodeMetrics, Links, World};
 use covey_net::worlds_in_pass;
 use firmware_core::action::{ACTIONS, Action};
 use firmware_core::observation::{LEN, Observation};
@@ -15,7 +17,7 @@ use firmware_core::random::action_draw;
 pub struct Shard {
     worlds: Vec<World>,
     policy_seeds: Vec<u64>,
-    observers: Vec<Observer>,
+    eyes: Vec<Eyes>,
     uavs: usize,
     steps: usize,
     /// Observations, one step more than the segment has: the last is what comes next.
@@ -44,14 +46,14 @@ impl Shard {
     /// A shard of `count` worlds.
     ///
     /// # Errors
-    /// When the scenario cannot be built.
-    pub fn new(s: &Settings, count: usize) -> Result<Self, covey_env::ScenarioError> {
+    /// When the scenario or the link cannot be built.
+    pub fn new(s: &Settings, count: usize) -> Result<Self, OverLinkError> {
         let (uavs, steps) = (usize::from(s.uavs), s.segment as usize);
         let (row, cells) = (count * uavs, count * uavs * steps);
         Ok(Self {
             worlds: (0..count).map(|_| World::new(&s.world())).collect::<Result<_, _>>()?,
             policy_seeds: vec![0; count],
-            observers: vec![Observer::new(0, 1); count],
+            eyes: vec![Eyes::new(s)?; count],
             uavs,
             steps,
             observations: vec![[0; LEN]; cells + row],
@@ -81,7 +83,7 @@ impl Shard {
             let episode = first + k as u64;
             world.reset(s.seed, episode);
             self.policy_seeds[k] = policy_seed(s.seed, episode);
-            self.observers[k] = Observer::new(self.policy_seeds[k], s.tie_period);
+            self.eyes[k].begin(s, self.policy_seeds[k]);
         }
         let at = self.steps * self.row();
         self.observe(at);
@@ -93,7 +95,7 @@ impl Shard {
         for (k, world) in self.worlds.iter().enumerate() {
             let place = at + k * n..at + (k + 1) * n;
             let (o, l) = (&mut self.observations[place.clone()], &mut self.links[place]);
-            self.observers[k].observe(world, o, l);
+            self.eyes[k].observe(world, o, l);
         }
     }
 

@@ -8,7 +8,8 @@ use super::shard::Shard;
 use super::update::{Learner, Outcome, Plan, Segment, update};
 use super::workers::Workers;
 use crate::settings::Settings;
-use covey_env::{EpisodeMetrics, ScenarioError};
+use covey_env::EpisodeMetrics;
+use covey_env::radio::OverLinkError;
 use covey_net::{Layout, initialise};
 use covey_report::metrics::nan_as_null;
 use firmware_core::action::ACTIONS;
@@ -159,8 +160,8 @@ impl Trainer {
     /// A fresh run.
     ///
     /// # Errors
-    /// When the scenario cannot be built.
-    pub fn new(settings: Settings) -> Result<Self, ScenarioError> {
+    /// When the scenario or the link cannot be built.
+    pub fn new(settings: Settings) -> Result<Self, OverLinkError> {
         let layouts = Self::layouts(&settings);
         let actor = initialise(&layouts[0], "actor weights", settings.seed);
         let state = State {
@@ -178,8 +179,8 @@ impl Trainer {
     /// A run that goes on from `state`, which must be of these settings.
     ///
     /// # Errors
-    /// When the scenario cannot be built.
-    pub fn resume(settings: Settings, state: State) -> Result<Self, ScenarioError> {
+    /// When the scenario or the link cannot be built.
+    pub fn resume(settings: Settings, state: State) -> Result<Self, OverLinkError> {
         let (worlds, shards) = (settings.worlds as usize, settings.shards as usize);
         let shards: Vec<_> = (0..shards)
             .map(|k| Shard::new(&settings, (k + 1) * worlds / shards - k * worlds / shards))
