@@ -182,6 +182,8 @@ struct Rules {
     returns: u8,
     returning: bool,
     clock: Option<u32>,
+    /// The own clock when the vehicle's last went on.
+    heard_wall: u32,
     last: Option<(u32, Vector)>,
 }
 
@@ -192,15 +194,21 @@ impl Rules {
         let late = gap <= 0 && gap.unsigned_abs() <= limits.reorder_ms;
         match inputs.operator {
             Some(Request::Start) => {
-                *self = Self { ours: true, clock: self.clock, last: self.last, ..Self::default() };
+                let Self { clock, heard_wall, last, .. } = *self;
+                *self = Self { ours: true, clock, heard_wall, last, ..Self::default() };
             }
             Some(Request::Release) => self.ours = false,
             Some(Request::Return) => self.returning = true,
             None => {}
         }
         if !late || self.clock.is_none() {
-            self.ours &= gap >= 0 && gap.unsigned_abs() <= limits.max_gap_ms;
-            self.clock = Some(now);
+            let waited = inputs.wall_ms.wrapping_sub(self.heard_wall);
+            let slipped = limits.real_time && gap > (limits.clock_slip_ms + waited).cast_signed();
+            if self.clock.is_some() && (gap < 0 || slipped || gap.unsigned_abs() > limits.max_gap_ms) {
+                // Another vehicle for all that is known, which flew otherwise.
+                (self.ours, self.last) = (false, None);
+            }
+            (self.clock, self.heard_wall) = (Some(now), inputs.wall_ms);
         }
         self.ours &= inputs.self_test;
         self.ours &= !(self.guided && inputs.mode == Mode::Other);
@@ -208,7 +216,9 @@ impl Rules {
         self.guided |= self.ours && inputs.mode == Mode::Guided;
         self.armed |= self.ours && inputs.armed;
 
-        let now = self.clock.unwrap();
+        // In real time it goes on while nothing is heard.
+        let silence = if limits.real_time { inputs.wall_ms.wrapping_sub(self.heard_wall) } else { 0 };
+        let now = self.clock.unwrap().wrapping_add(silence);
         if !self.ours {
             prop_assert!(matches!(verdict, Verdict::Silent(_)), "not ours: {verdict:?}");
         }
