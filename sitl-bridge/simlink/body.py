@@ -76,7 +76,8 @@ class Body:
         """Only accelerates: nothing holds a velocity or an altitude, and nothing caps the speed."""
         size = math.hypot(acceleration_e, acceleration_n)
         shorter = min(1.0, ACCELERATION_LIMIT / size) if size else 1.0
-        self._move(dt, acceleration_e * shorter, acceleration_n * shorter, acceleration_u)
+        lift = _clamp(acceleration_u, VERTICAL_ACCELERATION_LIMIT) - DRAG_PER_S * self.vu
+        self._move(dt, acceleration_e * shorter, acceleration_n * shorter, lift)
 
     def drift(self, dt: float) -> None:
         """Level and at its altitude, but nobody holds the position."""
@@ -84,7 +85,7 @@ class Body:
 
     def fall(self, dt: float) -> None:
         """Motors off in the air."""
-        self._move(dt, 0.0, 0.0, -GRAVITY)
+        self._move(dt, 0.0, 0.0, -GRAVITY - DRAG_PER_S * self.vu)
 
     def climb(self, dt: float, vu: float) -> None:
         """Only climbs, at `vu` m/s; the horizontal state stays as it is."""

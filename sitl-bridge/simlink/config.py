@@ -29,10 +29,10 @@ class Place:
 
 @dataclass(frozen=True)
 class Battery:
-    """Charge at the start, and how long a full one lasts."""
+    """Charge at the start, and how long a full one lasts; None: for ever."""
 
     percent: float = 100.0
-    minutes: float = 600.0
+    minutes: float | None = None
 
 
 @dataclass(frozen=True)
@@ -131,7 +131,7 @@ def read(raw: Any) -> FleetConfig:
         seed=top.take("seed", int, defaults.seed),
         battery=Battery(
             battery_fields.take("percent", _NUMBER, Battery.percent),
-            battery_fields.positive("minutes", Battery.minutes),
+            battery_fields.positive("minutes", None),
         ),
         signing_key_file=top.take("signing_key_file", str, None),
         faults=faults,
@@ -234,9 +234,9 @@ class _Fields:
             raise ConfigError(f"{self._what}: `{name}` is {' or '.join(k.__name__ for k in kinds)}, not {value!r}")
         return value
 
-    def positive(self, name: str, default: float) -> float:
+    def positive(self, name: str, default: float | None) -> Any:
         value = self.take(name, _NUMBER, default)
-        if value <= 0:
+        if value is not None and value <= 0:
             raise ConfigError(f"{self._what}: `{name}` is greater than 0, not {value!r}")
         return value
 

@@ -11,7 +11,6 @@ from simlink.vehicle import Vehicle
 
 logger = logging.getLogger(__name__)
 
-CONTROLLER_LOST_MS = 10_000
 _CATCH_UP_S = 1.0
 
 
@@ -148,12 +147,9 @@ class Fleet:
         return self._next_tick
 
     def _needs_wall_clock(self, vehicle: Vehicle) -> bool:
-        """Nothing else holds a vehicle's clock back while its controller is there and it does not stream."""
+        """Nothing else holds back the clock of a vehicle that does not stream, and its controller must keep up."""
         pilot = vehicle.autopilot
-        if pilot.crashed or (pilot.is_streaming and vehicle not in self._late):
-            return False
-        seen = pilot.controller_seen_ms
-        return seen is None or self.t_ms - seen <= CONTROLLER_LOST_MS
+        return not pilot.crashed and (not pilot.is_streaming or vehicle in self._late)
 
     def _report_late(self, late: set[Vehicle]) -> None:
         for vehicle in sorted(late, key=lambda vehicle: vehicle.config.id):

@@ -99,7 +99,10 @@ class Protocol:
 
     def _command(self, message: mavlink.MAVLink_message, command: int, parameters: tuple[float, ...]) -> None:
         handler = self._commands.get(command)
-        result = UNSUPPORTED if handler is None else handler(*parameters)
+        try:
+            result = UNSUPPORTED if handler is None else handler(*parameters)
+        except (ValueError, OverflowError):  # where a whole number should be there is none
+            result = DENIED
         self._v.flush_texts()
         self._send(
             mavlink.MAVLink_command_ack_message(
@@ -190,7 +193,7 @@ class Protocol:
 
     def _timesync(self, message: mavlink.MAVLink_message) -> None:
         if message.tc1 == 0:
-            self._send(mavlink.MAVLink_timesync_message(self._v.boot_ms * 1_000_000, message.ts1))
+            self._send(mavlink.MAVLink_timesync_message(self._v.boot_us * 1000, message.ts1))
 
 
 def _name(raw: str | bytes) -> str:

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 
 GLOBAL_POSITION_INT = mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT
 LOCAL_POSITION_NED = mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED
-U32 = 0xFFFF_FFFF
 
 _HEALTH = (
     mavlink.MAV_SYS_STATUS_SENSOR_3D_GYRO
@@ -86,7 +85,7 @@ def _battery_mv(percent: float) -> int:
 def system_time(v: "Vehicle") -> mavlink.MAVLink_message:
     """SYSTEM_TIME; the time of day is unknown until there is a position."""
     known = v.autopilot.ekf_ready or v.autopilot.airborne
-    return mavlink.MAVLink_system_time_message(v.unix_ms * 1000 if known else 0, v.boot_ms & U32)
+    return mavlink.MAVLink_system_time_message(v.unix_ms * 1000 if known else 0, v.boot_ms)
 
 
 def gps_raw_int(v: "Vehicle") -> mavlink.MAVLink_message:
@@ -97,7 +96,7 @@ def gps_raw_int(v: "Vehicle") -> mavlink.MAVLink_message:
     fix, satellites, eph = (1, 3, 0xFFFF) if lost else (3, 14, 80)
     course = round(math.degrees(math.atan2(e.ve, e.vn)) % 360.0 * 100.0) % 36_000
     return mavlink.MAVLink_gps_raw_int_message(
-        v.boot_ms * 1000, fix, deg_e7(latitude), deg_e7(longitude), round((v.plane.altitude_m + e.up) * 1000),
+        v.boot_us, fix, deg_e7(latitude), deg_e7(longitude), round((v.plane.altitude_m + e.up) * 1000),
         eph, eph, min(round(math.hypot(e.ve, e.vn) * 100), 0xFFFE), course, satellites,
     )  # fmt: skip
 
@@ -108,7 +107,7 @@ def global_position_int(v: "Vehicle") -> mavlink.MAVLink_message:
     latitude, longitude = v.plane.degrees(e.east, e.north)
     home = v.autopilot.home
     return mavlink.MAVLink_global_position_int_message(
-        v.boot_ms & U32, deg_e7(latitude), deg_e7(longitude), round((v.plane.altitude_m + e.up) * 1000),
+        v.boot_ms, deg_e7(latitude), deg_e7(longitude), round((v.plane.altitude_m + e.up) * 1000),
         round((e.up - (home[2] if home else v.pad[2])) * 1000),
         round(e.vn * 100), round(e.ve * 100), round(-e.vu * 100), 0,
     )  # fmt: skip
@@ -122,7 +121,7 @@ def local_position_ned(v: "Vehicle") -> mavlink.MAVLink_message:
     if v.faults.is_active("nan"):
         x, vx = math.nan, math.inf
     return mavlink.MAVLink_local_position_ned_message(
-        v.boot_ms & U32, x, e.east - east, up - e.up, vx, e.ve, -e.vu
+        v.boot_ms, x, e.east - east, up - e.up, vx, e.ve, -e.vu
     )
 
 
@@ -131,7 +130,7 @@ def gps_global_origin(v: "Vehicle") -> mavlink.MAVLink_message:
     east, north, up = v.ekf_origin
     latitude, longitude = v.plane.degrees(east, north)
     altitude = round((v.plane.altitude_m + up) * 1000)
-    return mavlink.MAVLink_gps_global_origin_message(deg_e7(latitude), deg_e7(longitude), altitude, v.boot_ms * 1000)
+    return mavlink.MAVLink_gps_global_origin_message(deg_e7(latitude), deg_e7(longitude), altitude, v.boot_us)
 
 
 def home_position(v: "Vehicle") -> mavlink.MAVLink_message:
@@ -142,7 +141,7 @@ def home_position(v: "Vehicle") -> mavlink.MAVLink_message:
     altitude = round((v.plane.altitude_m + home[2]) * 1000)
     return mavlink.MAVLink_home_position_message(
         deg_e7(latitude), deg_e7(longitude), altitude, home[1] - origin[1], home[0] - origin[0], origin[2] - home[2],
-        (1.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0, v.boot_ms * 1000,
+        (1.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0, v.boot_us,
     )  # fmt: skip
 
 
@@ -169,7 +168,7 @@ def estimator_status(v: "Vehicle") -> mavlink.MAVLink_message:
     if flags & mavlink.EKF_UNINITIALIZED:
         flags = 0
     return mavlink.MAVLink_estimator_status_message(
-        v.boot_ms * 1000, flags, ratio, ratio, ratio, ratio, 0.0, 0.0, 0.3 if ratio < 1.0 else 20.0, 0.4
+        v.boot_us, flags, ratio, ratio, ratio, ratio, 0.0, 0.0, 0.3 if ratio < 1.0 else 20.0, 0.4
     )
 
 
@@ -188,7 +187,7 @@ def attitude(v: "Vehicle") -> mavlink.MAVLink_message:
     """ATTITUDE: leans as the acceleration needs, nose to the north."""
     body = v.autopilot.body
     roll, pitch = math.atan2(body.acceleration_e, 9.81), -math.atan2(body.acceleration_n, 9.81)
-    return mavlink.MAVLink_attitude_message(v.boot_ms & U32, roll, pitch, 0.0, 0.0, 0.0, 0.0)
+    return mavlink.MAVLink_attitude_message(v.boot_ms, roll, pitch, 0.0, 0.0, 0.0, 0.0)
 
 
 def vfr_hud(v: "Vehicle") -> mavlink.MAVLink_message:

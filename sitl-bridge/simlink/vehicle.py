@@ -78,8 +78,13 @@ class Vehicle:
 
     @property
     def boot_ms(self) -> int:
-        """Since the autopilot started, not wrapped."""
-        return self.t_ms + self._boot_offset_ms
+        """Since the autopilot started; wraps at 32 bits."""
+        return self.t_ms + self._boot_offset_ms & 0xFFFF_FFFF
+
+    @property
+    def boot_us(self) -> int:
+        """The same in µs, which does not wrap."""
+        return max(0, self.t_ms + self._boot_offset_ms) * 1000
 
     @property
     def unix_ms(self) -> int:
@@ -109,8 +114,10 @@ class Vehicle:
 
     def battery_percent(self) -> float:
         """What is left, 0 to 100."""
-        drained = (self.t_ms - self._battery_ms) / 60_000.0 / self._fleet.battery.minutes * 100.0
-        return max(0.0, self._battery_percent - drained)
+        minutes = self._fleet.battery.minutes
+        if minutes is None:
+            return self._battery_percent
+        return max(0.0, self._battery_percent - (self.t_ms - self._battery_ms) / 60_000.0 / minutes * 100.0)
 
     # Time
 

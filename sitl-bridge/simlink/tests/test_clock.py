@@ -51,15 +51,15 @@ class Lockstep(unittest.TestCase):
             flight.run_for(10)
             self.assertAlmostEqual(flight.hub.wall, 10 / speed, delta=0.3 / speed)
 
-    def test_nobody_waits_for_a_controller_that_has_gone(self):
+    def test_a_controller_that_has_gone_costs_one_wait(self):
         controller = Controller(weave)
         flight = Flight(controller, Controller(weave))
         flight.run_until(lambda: all(v.autopilot.is_streaming for v in flight.fleet.vehicles))
         controller.silent = True
-        flight.run_for(20)
         wall = flight.hub.wall
         flight.run_for(20)
-        self.assertEqual(flight.hub.wall, wall)
+        self.assertAlmostEqual(flight.hub.wall - wall, 2.0 + 20 / 20, delta=0.1)
+        self.assertEqual(flight.fleet.lockstep_timeouts, 1)
 
     def test_without_lockstep_the_wall_clock_rules(self):
         flight = Flight(Controller(weave), lockstep=False, speed=2)
