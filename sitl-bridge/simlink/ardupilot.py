@@ -43,5 +43,3 @@ class ArduPilot(Autopilot):
     def take_off(self, up: float) -> bool:
         """Only in GUIDED."""
         return self.mode.name == "GUIDED" and super().take_off(up)
-
-

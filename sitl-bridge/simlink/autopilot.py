@@ -63,7 +63,8 @@ class Autopilot:
         self.gps_lost_ms: int | None = None
         self.ekf_bad = False
         self._ekf_lost_ms: int | None = None
-        self._ekf_was_ready = False
+        self.has_origin = False
+        """The EKF has been ready since the start."""
 
     # What a dialect decides
 
@@ -224,8 +225,8 @@ class Autopilot:
         dt_ms, self.t_ms = t_ms - self.t_ms, t_ms
         if self.crashed:
             return
-        if not self._ekf_was_ready and self.ekf_ready:
-            self._ekf_was_ready = True
+        if not self.has_origin and self.ekf_ready:
+            self.has_origin = True
             self._emit("ekf_ready")
         self._watch()
         climbing = self.flight.climbing
@@ -260,22 +261,29 @@ class Autopilot:
             if self.airborne and self.mode.behaviour not in (Behaviour.RETURN, Behaviour.LAND):
                 self.fail_safe("GCS", "RTL")
         self._watch_ekf()
-        guided = self.mode.behaviour is Behaviour.GUIDED
-        if guided and self.setpoint_ms is not None and not self._timed_out and self.flight.target_kind is not Kind.POSITION:
-            if self.t_ms - self.setpoint_ms > self.setpoint_timeout_ms():
-                self._timed_out = True
-                silent_ms = self.t_ms - self.setpoint_ms
-                self._emit("timeout", silent_ms=silent_ms, flown_m=round(self.flown_since_setpoint_m, 2))
-                self.on_setpoint_timeout()
+        self._watch_setpoints()
         if self.flight.grounded and not self.flight.climbing and self.t_ms - self._armed_ms > AUTO_DISARM_MS:
             self.disarm(force=True)
+
+    def _watch_setpoints(self) -> None:
+        # A position is a goal that does not age.
+        if not self.follows or self.setpoint_ms is None or self.flight.target_kind is Kind.POSITION:
+            return
+        silent_ms = self.t_ms - self.setpoint_ms
+        if silent_ms > self.setpoint_timeout_ms():
+            self._timed_out = True
+            self._emit("timeout", silent_ms=silent_ms, flown_m=round(self.flown_since_setpoint_m, 2))
+            self.on_setpoint_timeout()
 
     def _watch_ekf(self) -> None:
         if self.ekf_ready or not self.airborne:
             self._ekf_lost_ms = None
         elif self._ekf_lost_ms is None:
             self._ekf_lost_ms = self.t_ms
-        elif self.t_ms - self._ekf_lost_ms > EKF_FAILSAFE_MS and self.mode.behaviour not in (Behaviour.LAND, Behaviour.LEVEL):
+        elif self.t_ms - self._ekf_lost_ms > EKF_FAILSAFE_MS and self.mode.behaviour not in (
+            Behaviour.LAND,
+            Behaviour.LEVEL,
+        ):
             self.fail_safe("EKF", "LAND")
 
     def _land(self, impact_mps: float) -> None:

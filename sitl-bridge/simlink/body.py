@@ -26,9 +26,21 @@ class Body:
     """Position (m east, north, up of the origin), velocity (m/s) and what is felt of wind."""
 
     __slots__ = (
-        "_integral_e", "_integral_n", "acceleration_e", "acceleration_n", "east", "flown_m", "north",
-        "ground", "up", "ve", "vn", "vu", "wind_e", "wind_n",
-    )  # fmt: skip
+        "_integral_e",
+        "_integral_n",
+        "acceleration_e",
+        "acceleration_n",
+        "east",
+        "flown_m",
+        "north",
+        "ground",
+        "up",
+        "ve",
+        "vn",
+        "vu",
+        "wind_e",
+        "wind_n",
+    )
 
     def __init__(self, east: float, north: float, up: float, wind: tuple[float, float] = (0.0, 0.0)) -> None:
         self.east, self.north, self.up = east, north, up

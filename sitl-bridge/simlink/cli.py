@@ -4,6 +4,7 @@ import argparse
 import json
 import logging
 import os
+import signal
 import sys
 from typing import Any
 
@@ -34,6 +35,7 @@ PORTS = {"ardupilot": (14_550, 10), "px4": (14_540, 1)}
 def main(arguments: list[str] | None = None) -> int:
     """Runs a fleet until it is stopped; returns the exit status."""
     logging.basicConfig(level=logging.INFO, stream=sys.stderr, format="simlink: %(message)s")
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     arguments = sys.argv[1:] if arguments is None else arguments
     try:
         return _by_hand(_parser().parse_args(arguments)) if arguments else _from_stdin()
@@ -70,8 +72,12 @@ def _by_hand(options: argparse.Namespace) -> int:
         for vehicle in fleet_config.vehicles:
             logger.info(
                 "vehicle %d: %s, system %d, sends to udp %s:%d",
-                vehicle.id, vehicle.dialect, vehicle.system, vehicle.host, vehicle.port,
-            )  # fmt: skip
+                vehicle.id,
+                vehicle.dialect,
+                vehicle.system,
+                vehicle.host,
+                vehicle.port,
+            )
         fleet.run()
     return 0
 
@@ -156,16 +162,21 @@ def _parser() -> argparse.ArgumentParser:
     add("--port", type=int, help="port of the first vehicle (ardupilot 14550, px4 14540)")
     add("--port-step", type=int, metavar="N", help="distance to the next vehicle's port (ardupilot 10, px4 1)")
     add(
-        "--origin", type=_numbers(3, "47.4,8.5,400"), default=(place.lat, place.lon, place.alt), metavar="LAT,LON,ALT",
+        "--origin",
+        type=_numbers(3, "47.4,8.5,400"),
+        default=(place.lat, place.lon, place.alt),
+        metavar="LAT,LON,ALT",
         help="the map's south-west corner; the vehicles stand in its middle (ArduPilot's usual field)",
-    )  # fmt: skip
+    )
     add("--spacing", type=float, default=4.0, metavar="U", help="distance between vehicles, map units (4)")
     add("--scale-m", type=float, default=2.5, metavar="M", help="metres in a map unit (2.5)")
     add("--step-ms", type=int, default=2000, metavar="MS", help="length of a step (2000)")
     add("--rate", type=int, default=5, metavar="HZ", help="ticks a second: the fastest telemetry (5)")
     add("--dynamics", choices=config.DYNAMICS, default="point", help="how they move (point)")
     add("--speed", type=float, default=1.0, metavar="X", help="times real time (1)")
-    add("--lockstep", action="store_true", help="wait for a setpoint after each position, and go as fast as that allows")
+    add(
+        "--lockstep", action="store_true", help="wait for a setpoint after each position, and go as fast as that allows"
+    )
     add("--wind", type=_numbers(2, "4,-1"), default=(0.0, 0.0), metavar="E,N", help="m/s towards east and north")
     add("--gps-noise", type=float, default=0.0, metavar="M", help="standard deviation of the position (0)")
     add("--guided-timeout", type=float, metavar="S", help="stops after so long without setpoints (ardupilot 3, px4 1)")

@@ -60,9 +60,14 @@ class Fault:
         if (phase := raw.get("phase")) is not None and phase not in PHASES:
             raise FaultError(f"fault {kind}: there is no phase {phase!r}; known: {', '.join(PHASES)}")
         return cls(
-            raw["id"], kind, raw.get("at_ms"), phase, raw.get("after_ms") or 0, raw.get("for_ms"),
+            raw["id"],
+            kind,
+            raw.get("at_ms"),
+            phase,
+            raw.get("after_ms") or 0,
+            raw.get("for_ms"),
             _option(kind, raw.get(option) if option else None),
-        )  # fmt: skip
+        )
 
 
 def _option(kind: str, value: Any) -> Any:

@@ -18,9 +18,13 @@ class Fleet:
     """Moves time on tick by tick: integrates, sends, then waits for setpoints or for the wall clock."""
 
     def __init__(
-        self, config: FleetConfig, hub: Hub, emit: Callable[..., None], key: bytes | None = None,
+        self,
+        config: FleetConfig,
+        hub: Hub,
+        emit: Callable[..., None],
+        key: bytes | None = None,
         on_tick: Callable[["Fleet"], None] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.config = config
         self.t_ms = 0
         self.speed = config.speed
@@ -127,7 +131,9 @@ class Fleet:
     def _waited_for(self) -> set[Vehicle]:
         if not self.config.lockstep:
             return set()
-        self._late = {vehicle for vehicle in self._late if vehicle.autopilot.setpoint_ms != self.t_ms - self.config.tick_ms}
+        self._late = {
+            vehicle for vehicle in self._late if vehicle.autopilot.setpoint_ms != self.t_ms - self.config.tick_ms
+        }
         return {
             vehicle
             for vehicle in self.vehicles

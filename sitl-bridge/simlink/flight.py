@@ -163,9 +163,7 @@ class Flight:
 
     def _towards(self, east: float, north: float) -> tuple[float, float]:
         body = self._body
-        return _capped(
-            (east - body.east) * POSITION_GAIN_PER_S, (north - body.north) * POSITION_GAIN_PER_S, CRUISE_MPS
-        )
+        return _capped((east - body.east) * POSITION_GAIN_PER_S, (north - body.north) * POSITION_GAIN_PER_S, CRUISE_MPS)
 
 
 def _capped(east: float, north: float, limit: float) -> tuple[float, float]:

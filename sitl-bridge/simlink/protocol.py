@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from simlink import modes, setpoint, telemetry
+from simlink import modes, schedule, setpoint, telemetry
 from simlink.px4 import Px4
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ class Protocol:
             mavlink.MAV_CMD_GET_MESSAGE_INTERVAL: self._get_interval,
             mavlink.MAV_CMD_REQUEST_MESSAGE: self._request,
             mavlink.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: lambda *_: self._send(telemetry.autopilot_version(self._v)),
-            mavlink.MAV_CMD_GET_HOME_POSITION: lambda *_: self._send(telemetry.home_position(self._v)),
+            mavlink.MAV_CMD_GET_HOME_POSITION: lambda *_: self._request(mavlink.MAVLINK_MSG_ID_HOME_POSITION),
             mavlink.MAV_CMD_DO_CHANGE_SPEED: lambda *_: ACCEPTED,
         }
 
@@ -116,11 +116,13 @@ class Protocol:
 
     def _takeoff(self, *parameters: float) -> int:
         height, pilot = parameters[6], self._v.autopilot
-        if not math.isfinite(height):
-            return DENIED
-        # ArduPilot's altitude is above home, PX4's above the sea.
-        up = height - self._v.plane.altitude_m if isinstance(pilot, Px4) else pilot.body.up + height
-        if up <= pilot.body.up:
+        if isinstance(pilot, Px4):
+            # Above the sea; without a number a parameter says how high above the ground.
+            known = math.isfinite(height)
+            up = height - self._v.plane.altitude_m if known else pilot.body.up + pilot.parameters["MIS_TAKEOFF_ALT"]
+        else:
+            up = pilot.body.up + height
+        if not math.isfinite(up) or up <= pilot.body.up:
             return DENIED
         return ACCEPTED if pilot.take_off(up) else FAILED
 
@@ -154,8 +156,10 @@ class Protocol:
         return self._send(mavlink.MAVLink_message_interval_message(int(message), interval_us))
 
     def _request(self, message: float, *_: float) -> int:
-        builder = telemetry.BUILDERS.get(int(message))
-        return FAILED if builder is None else self._send(builder(self._v))
+        builder = schedule.BUILDERS.get(int(message))
+        if builder is None or not schedule.is_known(self._v, int(message)):
+            return FAILED
+        return self._send(builder(self._v))
 
     # Parameters, missions, time
 

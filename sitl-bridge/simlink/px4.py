@@ -36,6 +36,7 @@ class Px4(Autopilot):
         "MPC_XY_VEL_MAX": 12.0,
         "MPC_ACC_HOR": 3.0,
         "RTL_RETURN_ALT": 15.0,
+        "MIS_TAKEOFF_ALT": 2.5,
     }
 
     def setpoint_timeout_ms(self) -> float:
@@ -89,7 +90,12 @@ class Px4(Autopilot):
 
     def take_off(self, up: float) -> bool:
         """Changes to TAKEOFF by itself."""
-        return self.armed and not self.airborne and self.change_mode(self._named("TAKEOFF"), "command") and super().take_off(up)
+        return (
+            self.armed
+            and not self.airborne
+            and self.change_mode(self._named("TAKEOFF"), "command")
+            and super().take_off(up)
+        )
 
     def on_airborne(self) -> None:
         """Goes on to hold."""

@@ -1,7 +1,6 @@
-"""The messages an autopilot sends: which, how often, and what stands in them."""
+"""What stands in the messages that an autopilot sends."""
 
 import math
-from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
@@ -11,9 +10,6 @@ from simlink.px4 import Px4
 
 if TYPE_CHECKING:
     from simlink.vehicle import Vehicle
-
-GLOBAL_POSITION_INT = mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT
-LOCAL_POSITION_NED = mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED
 
 _HEALTH = (
     mavlink.MAV_SYS_STATUS_SENSOR_3D_GYRO
@@ -96,9 +92,17 @@ def gps_raw_int(v: "Vehicle") -> mavlink.MAVLink_message:
     fix, satellites, eph = (1, 3, 0xFFFF) if lost else (3, 14, 80)
     course = round(math.degrees(math.atan2(e.ve, e.vn)) % 360.0 * 100.0) % 36_000
     return mavlink.MAVLink_gps_raw_int_message(
-        v.boot_us, fix, deg_e7(latitude), deg_e7(longitude), round((v.plane.altitude_m + e.up) * 1000),
-        eph, eph, min(round(math.hypot(e.ve, e.vn) * 100), 0xFFFE), course, satellites,
-    )  # fmt: skip
+        v.boot_us,
+        fix,
+        deg_e7(latitude),
+        deg_e7(longitude),
+        round((v.plane.altitude_m + e.up) * 1000),
+        eph,
+        eph,
+        min(round(math.hypot(e.ve, e.vn) * 100), 0xFFFE),
+        course,
+        satellites,
+    )
 
 
 def global_position_int(v: "Vehicle") -> mavlink.MAVLink_message:
@@ -107,10 +111,16 @@ def global_position_int(v: "Vehicle") -> mavlink.MAVLink_message:
     latitude, longitude = v.plane.degrees(e.east, e.north)
     home = v.autopilot.home
     return mavlink.MAVLink_global_position_int_message(
-        v.boot_ms, deg_e7(latitude), deg_e7(longitude), round((v.plane.altitude_m + e.up) * 1000),
+        v.boot_ms,
+        deg_e7(latitude),
+        deg_e7(longitude),
+        round((v.plane.altitude_m + e.up) * 1000),
         round((e.up - (home[2] if home else v.pad[2])) * 1000),
-        round(e.vn * 100), round(e.ve * 100), round(-e.vu * 100), 0,
-    )  # fmt: skip
+        round(e.vn * 100),
+        round(e.ve * 100),
+        round(-e.vu * 100),
+        0,
+    )
 
 
 def local_position_ned(v: "Vehicle") -> mavlink.MAVLink_message:
@@ -120,9 +130,7 @@ def local_position_ned(v: "Vehicle") -> mavlink.MAVLink_message:
     x, vx = e.north - north, e.vn
     if v.faults.is_active("nan"):
         x, vx = math.nan, math.inf
-    return mavlink.MAVLink_local_position_ned_message(
-        v.boot_ms, x, e.east - east, up - e.up, vx, e.ve, -e.vu
-    )
+    return mavlink.MAVLink_local_position_ned_message(v.boot_ms, x, e.east - east, up - e.up, vx, e.ve, -e.vu)
 
 
 def gps_global_origin(v: "Vehicle") -> mavlink.MAVLink_message:
@@ -140,9 +148,18 @@ def home_position(v: "Vehicle") -> mavlink.MAVLink_message:
     latitude, longitude = v.plane.degrees(home[0], home[1])
     altitude = round((v.plane.altitude_m + home[2]) * 1000)
     return mavlink.MAVLink_home_position_message(
-        deg_e7(latitude), deg_e7(longitude), altitude, home[1] - origin[1], home[0] - origin[0], origin[2] - home[2],
-        (1.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0, v.boot_us,
-    )  # fmt: skip
+        deg_e7(latitude),
+        deg_e7(longitude),
+        altitude,
+        home[1] - origin[1],
+        home[0] - origin[0],
+        origin[2] - home[2],
+        (1.0, 0.0, 0.0, 0.0),
+        0.0,
+        0.0,
+        0.0,
+        v.boot_us,
+    )
 
 
 def extended_sys_state(v: "Vehicle") -> mavlink.MAVLink_message:
@@ -211,81 +228,3 @@ def autopilot_version(v: "Vehicle") -> mavlink.MAVLink_message:
     return mavlink.MAVLink_autopilot_version_message(
         capabilities, major << 24 | minor << 16, 0, 0, 0, none, none, none, 0, 0, v.config.system
     )
-
-
-Builder = Callable[["Vehicle"], mavlink.MAVLink_message]
-
-BUILDERS: dict[int, Builder] = {
-    message.id: builder
-    for message, builder in (
-        (mavlink.MAVLink_heartbeat_message, heartbeat),
-        (mavlink.MAVLink_system_time_message, system_time),
-        (mavlink.MAVLink_sys_status_message, sys_status),
-        (mavlink.MAVLink_battery_status_message, battery_status),
-        (mavlink.MAVLink_gps_raw_int_message, gps_raw_int),
-        (mavlink.MAVLink_gps_global_origin_message, gps_global_origin),
-        (mavlink.MAVLink_home_position_message, home_position),
-        (mavlink.MAVLink_extended_sys_state_message, extended_sys_state),
-        (mavlink.MAVLink_ekf_status_report_message, ekf_status_report),
-        (mavlink.MAVLink_estimator_status_message, estimator_status),
-        (mavlink.MAVLink_attitude_message, attitude),
-        (mavlink.MAVLink_vfr_hud_message, vfr_hud),
-        (mavlink.MAVLink_autopilot_version_message, autopilot_version),
-        (mavlink.MAVLink_global_position_int_message, global_position_int),
-        (mavlink.MAVLink_local_position_ned_message, local_position_ned),
-    )
-}
-"""Every message that can be asked for, in the order in which they are sent: the position comes last."""
-
-PX4_STREAMS = {
-    mavlink.MAVLINK_MSG_ID_SYS_STATUS: 1000,
-    mavlink.MAVLINK_MSG_ID_SYSTEM_TIME: 1000,
-    mavlink.MAVLINK_MSG_ID_GPS_RAW_INT: 1000,
-    mavlink.MAVLINK_MSG_ID_ESTIMATOR_STATUS: 1000,
-    mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: 1000,
-    mavlink.MAVLINK_MSG_ID_BATTERY_STATUS: 2000,
-    mavlink.MAVLINK_MSG_ID_HOME_POSITION: 2000,
-    GLOBAL_POSITION_INT: 200,
-    LOCAL_POSITION_NED: 200,
-}
-"""What PX4 sends unasked beside HEARTBEAT, ms between two; ArduPilot sends nothing more."""
-
-
-class Schedule:
-    """What is sent how often. Messages of one interval fall into the same tick."""
-
-    def __init__(self, streams: dict[int, int]) -> None:
-        self._defaults = {mavlink.MAVLINK_MSG_ID_HEARTBEAT: 1000, **streams}
-        self.reset()
-
-    def reset(self) -> None:
-        """Back to what is sent unasked."""
-        self._intervals: dict[int, int] = {}
-        self._last: dict[int, int] = {}
-        for message, interval in self._defaults.items():
-            self.set(message, interval)
-
-    def set(self, message: int, interval_ms: int) -> bool:
-        """Sends `message` every `interval_ms`; 0 back to the default, -1 never. False when there is no such message."""
-        if message not in BUILDERS:
-            return False
-        if interval_ms == 0:
-            interval_ms = self._defaults.get(message, -1)
-        self._intervals.pop(message, None)
-        if interval_ms > 0:
-            self._intervals[message] = interval_ms
-            order = {m: i for i, m in enumerate(BUILDERS)}
-            self._intervals = dict(sorted(self._intervals.items(), key=lambda item: order[item[0]]))
-        return True
-
-    def interval_ms(self, message: int) -> int:
-        """ms between two; -1 when it is not sent."""
-        return self._intervals.get(message, -1)
-
-    def due(self, t_ms: int) -> Iterator[int]:
-        """The messages that are due at `t_ms`."""
-        for message, interval in self._intervals.items():
-            slot = t_ms // interval
-            if self._last.get(message) != slot:
-                self._last[message] = slot
-                yield message

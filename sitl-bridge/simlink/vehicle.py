@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from simlink import actions, modes, telemetry
+from simlink import actions, modes, schedule
 from simlink.ardupilot import ArduPilot
 from simlink.autopilot import Emit
 from simlink.body import Body
@@ -19,9 +19,10 @@ from simlink.ideal import IdealState
 from simlink.modes import Behaviour
 from simlink.protocol import Protocol
 from simlink.px4 import Px4
+from simlink.schedule import PX4_STREAMS, Schedule
 from simlink.setpoint import Kind
 
-_POSITION_MESSAGES = (telemetry.GLOBAL_POSITION_INT, telemetry.LOCAL_POSITION_NED)
+_POSITION_MESSAGES = (schedule.GLOBAL_POSITION_INT, schedule.LOCAL_POSITION_NED)
 _NOISE_TIME_S = 5.0
 _REBOOT_MS = 2_000
 
@@ -58,7 +59,7 @@ class Vehicle:
         if fleet.guided_timeout_s is not None:
             self.autopilot.parameters["COM_OF_LOSS_T" if px4 else "GUID_TIMEOUT"] = fleet.guided_timeout_s
         self.autopilot.parameters["MAV_SYS_ID" if px4 else "MAV_SYSID"] = float(config.system)
-        self.schedule = telemetry.Schedule(telemetry.PX4_STREAMS if px4 else {})
+        self.schedule = Schedule(PX4_STREAMS if px4 else {})
         self.endpoint = Endpoint(config.system, mavlink.MAV_COMP_ID_AUTOPILOT1, key)
         self.outbox: list[mavlink.MAVLink_message] = []
         self.faults = FaultPlan([fault for fault in fleet.faults if fault.id == config.id])
@@ -255,11 +256,13 @@ class Vehicle:
         frames = self.replies()
         stale = self.faults.is_active("pose_stale")
         for message in self.schedule.due(self.t_ms):
+            if not schedule.is_known(self, message):
+                continue
             if message in _POSITION_MESSAGES:
                 if stale:
                     continue
                 self.awaits_setpoint = True
-            frames.append(self.endpoint.pack(telemetry.BUILDERS[message](self)))
+            frames.append(self.endpoint.pack(schedule.BUILDERS[message](self)))
         return frames
 
     def receive(self, datagram: bytes) -> list[bytes]:

@@ -58,9 +58,7 @@ def _listen(options: argparse.Namespace, link: SwarmSocket, key: bytes | None) -
 
 def _play(options: argparse.Namespace, link: SwarmSocket, key: bytes | None) -> int:
     x, y = options.at
-    ghost = Ghost(
-        options.ghost, options.id, (x, y), options.velocity, options.actor, key, options.seed
-    )  # fmt: skip
+    ghost = Ghost(options.ghost, options.id, (x, y), options.velocity, options.actor, key, options.seed)
     sent = 0
     try:
         for datagram in _datagrams(link, options.seconds):
@@ -87,7 +85,9 @@ def spoken(message: Message) -> str:
     who = f"UAV {message.id:3} step {message.step} #{message.sequence}"
     if isinstance(message, Beacon):
         x, y, vx, vy = (value / 1024 for value in (message.x, message.y, message.vx, message.vy))
-        return f"{who} beacon  ({x:.2f}, {y:.2f}) u, ({vx:.2f}, {vy:.2f}) u/step, tie {message.tie}, {message.time_ms} ms"
+        return (
+            f"{who} beacon  ({x:.2f}, {y:.2f}) u, ({vx:.2f}, {vy:.2f}) u/step, tie {message.tie}, {message.time_ms} ms"
+        )
     return f"{who} feature degree {message.degree}, actor {message.actor:08x}, {len(message.values)} values"
 
 
@@ -116,9 +116,12 @@ def _parser() -> argparse.ArgumentParser:
     listen.set_defaults(run=_listen)
     kinds = "\n".join(f"  {kind:<14} {what}" for kind, what in KINDS.items())
     play = commands.add_parser(
-        "play", parents=[common], help="send what a swarm must bear", epilog=f"ghosts:\n{kinds}",
+        "play",
+        parents=[common],
+        help="send what a swarm must bear",
+        epilog=f"ghosts:\n{kinds}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
-    )  # fmt: skip
+    )
     play.add_argument("--ghost", choices=list(KINDS), default="ghost", help="which (ghost)")
     play.add_argument("--id", type=int, default=200, help="its id (200)")
     play.add_argument("--at", type=_pair, default=(100.0, 100.0), metavar="X,Y", help="where it begins, u (100,100)")

@@ -81,7 +81,8 @@ class Ghost:
                 return []
             self._step = message.step
             return [frames.wrap(self._endpoint, self._beacon(message).encode())]
-        if self._feature_step is not None and message.step <= self._feature_step or message.step != self._step:
+        said_already = self._feature_step is not None and message.step <= self._feature_step
+        if said_already or message.step != self._step:
             return []
         self._feature_step = message.step
         return [frames.wrap(self._endpoint, self._feature(message).encode())]

@@ -44,9 +44,19 @@ class Beacon:
         if self.tie == -128:
             raise MessageError("tie", "the least tie-breaker is -127")
         return _packed(
-            _BEACON, VERSION, BEACON_KIND, self.id, self.sequence, self.step, self.time_ms,
-            self.x, self.y, self.vx, self.vy, self.tie,
-        )  # fmt: skip
+            _BEACON,
+            VERSION,
+            BEACON_KIND,
+            self.id,
+            self.sequence,
+            self.step,
+            self.time_ms,
+            self.x,
+            self.y,
+            self.vx,
+            self.vy,
+            self.tie,
+        )
 
 
 @dataclass(frozen=True)
@@ -65,9 +75,17 @@ class Feature:
         """The bytes; MessageError where the layout cannot hold a field."""
         _check_feature(self.degree, len(self.values))
         head = _packed(
-            _FEATURE, VERSION, FEATURE_KIND, self.id, self.sequence, self.step, self.degree,
-            self.actor, self.attended, len(self.values),
-        )  # fmt: skip
+            _FEATURE,
+            VERSION,
+            FEATURE_KIND,
+            self.id,
+            self.sequence,
+            self.step,
+            self.degree,
+            self.actor,
+            self.attended,
+            len(self.values),
+        )
         return head + _packed(struct.Struct(f"{len(self.values)}b"), *self.values)
 
 

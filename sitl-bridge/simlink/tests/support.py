@@ -166,7 +166,7 @@ class Flight:
             fleet.stopped = True
 
     def run_until(self, condition: Callable[[], bool], limit_s: float = 120.0) -> None:
-        """Flies until `condition` holds at a tick; AssertionError when it does not within `limit_s` simulated seconds."""
+        """Flies until `condition` holds at a tick; AssertionError when `limit_s` simulated seconds are not enough."""
         limit_ms = self.fleet.t_ms + limit_s * 1000
         self.until = lambda: condition() or self.fleet.t_ms >= limit_ms
         self.fleet.stopped = False

@@ -11,8 +11,16 @@ from simlink.protocol import Protocol
 from simlink.tests.support import Controller, Flight
 
 ODD_FLOATS = (0.0, 1.0, -1.0, math.nan, math.inf, -math.inf, 3.4e38, -3.4e38, 1e-40, 21196.0, 65_536.0)
-_LIMITS = {"b": (-128, 127), "B": (0, 255), "h": (-32_768, 32_767), "H": (0, 65_535), "i": (-(1 << 31), (1 << 31) - 1),
-           "I": (0, (1 << 32) - 1), "q": (-(1 << 63), (1 << 63) - 1), "Q": (0, (1 << 64) - 1)}  # fmt: skip
+_LIMITS = {
+    "b": (-128, 127),
+    "B": (0, 255),
+    "h": (-32_768, 32_767),
+    "H": (0, 65_535),
+    "i": (-(1 << 31), (1 << 31) - 1),
+    "I": (0, (1 << 32) - 1),
+    "q": (-(1 << 63), (1 << 63) - 1),
+    "Q": (0, (1 << 64) - 1),
+}
 
 
 def anything(kind: type[mavlink.MAVLink_message], r: random.Random) -> bytes:
@@ -75,6 +83,8 @@ class Abuse(unittest.TestCase):
         self.assertLess(abs(controller.last["GLOBAL_POSITION_INT"].vz), 6000)
 
     def test_a_clock_that_jumps_below_zero_wraps(self):
-        flight = Flight(Controller(lambda _: {}), faults=[{"id": 1, "kind": "clock_jump", "by_ms": -60_000, "at_ms": 12_000}])
+        flight = Flight(
+            Controller(lambda _: {}), faults=[{"id": 1, "kind": "clock_jump", "by_ms": -60_000, "at_ms": 12_000}]
+        )
         flight.run_for(20)
         self.assertEqual(flight.controllers[0].last["SYSTEM_TIME"].time_boot_ms, (1 << 32) - 40_000)

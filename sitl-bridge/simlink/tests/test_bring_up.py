@@ -1,5 +1,6 @@
 """From power-on into the air."""
 
+import math
 import unittest
 
 from simlink.tests.support import GLOBAL, LOCAL, Controller, Flight
@@ -96,6 +97,14 @@ class ArduPilot(unittest.TestCase):
         self.flight.run_for(1)
         self.assertEqual(len(self.controller.acks), before)
 
+    def test_before_the_ekf_has_an_origin_nothing_is_said_of_it(self):
+        self.controller.takes_off = False
+        self.flight.run_for(4)
+        self.assertTrue({LOCAL, 49}.isdisjoint(self.controller.seen))
+        self.assertIn(GLOBAL, self.controller.seen)
+        self.flight.run_for(3)
+        self.assertTrue({LOCAL, 49} <= set(self.controller.seen))
+
     def test_the_position_pair_comes_last_and_with_one_time(self):
         self.flight.run_for(15)
         self.controller.frames.clear()
@@ -105,7 +114,8 @@ class ArduPilot(unittest.TestCase):
         for at, kind in enumerate(kinds):
             if kind == LOCAL:
                 self.assertEqual(kinds[at - 1], GLOBAL)
-        self.assertEqual(self.controller.seen[LOCAL], self.controller.seen[GLOBAL])
+        pairs = len(self.controller.seen[LOCAL])
+        self.assertEqual(self.controller.seen[LOCAL], self.controller.seen[GLOBAL][-pairs:])
 
     def send(self, *messages):
         self.flight.hub.waiting += [(0, self.controller.pack(message)) for message in messages]
@@ -153,15 +163,29 @@ class Px4(unittest.TestCase):
         self.assertIn("Mode change to OFFBOARD failed: no offboard signal", controller.texts)
 
     def test_a_stream_of_two_hertz_is_too_slow(self):
-        controller = Controller(lambda c: {} if c.last["LOCAL_POSITION_NED"].time_boot_ms % 600 == 0 else None, dialect="px4")
+        controller = Controller(
+            lambda c: {} if c.last["LOCAL_POSITION_NED"].time_boot_ms % 600 == 0 else None, dialect="px4"
+        )
         flight = Flight(controller)
         flight.run_until(lambda: controller.airborne)
         flight.run_for(10)
         self.assertEqual(flight.fleet.vehicles[0].autopilot.mode.name, "LOITER")
 
-    def test_it_sends_positions_unasked(self):
+    def test_it_sends_positions_unasked_once_it_knows_them(self):
         controller = Controller(None, dialect="px4")
         controller.silent = True
         flight = Flight(controller)
-        flight.run_for(10)
-        self.assertEqual(len(controller.seen[LOCAL]), 50)
+        flight.run_for(4)
+        self.assertFalse({LOCAL, GLOBAL} & set(controller.seen))
+        flight.run_for(6)
+        self.assertEqual((len(controller.seen[LOCAL]), len(controller.seen[GLOBAL])), (26, 26))
+
+    def test_without_an_altitude_it_takes_off_to_a_parameter(self):
+        controller = Controller(None, dialect="px4", takes_off=False)
+        flight = Flight(controller)
+        flight.run_for(6)
+        nan = math.nan
+        for command in (controller.command(400, 1), controller.command(22, nan, 0, 0, nan, nan, nan, nan)):
+            flight.hub.waiting.append((0, controller.pack(command)))
+        flight.run_for(8)
+        self.assertAlmostEqual(flight.body().up, 2.5, delta=0.3)

@@ -71,9 +71,12 @@ class Determinism(unittest.TestCase):
     def truth(self, seed: int) -> str:
         flight = Flight(
             *(Controller(weave) for _ in range(4)),
-            seed=seed, gps_noise_m=0.8, wind=[3, 1], start_u=[[10 * i, 5] for i in range(4)],
+            seed=seed,
+            gps_noise_m=0.8,
+            wind=[3, 1],
+            start_u=[[10 * i, 5] for i in range(4)],
             faults=[{"id": 2, "kind": "pose_frozen", "phase": "transit", "for_ms": 2000}],
-        )  # fmt: skip
+        )
         flight.run_for(80)
         return json.dumps(flight.named("truth"))
 
@@ -116,7 +119,7 @@ class Clocks(unittest.TestCase):
     def test_another_tick(self):
         controller = Controller(None, takes_off=False)
         flight = Flight(controller, rate_hz=10)
-        flight.run_for(2)
+        flight.run_for(6)
         flight.hub.waiting.append((0, controller.pack(controller.command(511, LOCAL, 100_000))))
         flight.run_for(0.5)
         controller.seen.clear()

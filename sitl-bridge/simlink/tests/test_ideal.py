@@ -69,8 +69,11 @@ class WholeFlight(unittest.TestCase):
         pilots = [Controller(cls.follow(uav)) for uav in range(cls.golden["n_uav"])]
         cls.flight = Flight(
             *pilots,
-            start_u=cls.golden["uav"], dynamics="ideal", epoch_unix_ms=START_UNIX_MS + EPOCH_MS, seed=3,
-        )  # fmt: skip
+            start_u=cls.golden["uav"],
+            dynamics="ideal",
+            epoch_unix_ms=START_UNIX_MS + EPOCH_MS,
+            seed=3,
+        )
         cls.reported = []
         cls.flight.each_tick = cls.note
         cls.flight.run_until(lambda: cls.flight.fleet.step >= 100, 400)

@@ -26,14 +26,34 @@ class Configuration(unittest.TestCase):
         self.assertEqual((fleet.tick_ms, fleet.dynamics, fleet.lockstep, fleet.speed), (200, "point", True, 20.0))
 
     def test_everything_can_be_set(self):
-        fleet = config.read({
-            "vehicles": [{"id": 3, "system": 9, "host": "::1", "port": 1, "dialect": "px4", "lat": 1, "lon": 2, "alt": 3}],
-            "origin": {"lat": 47.4, "lon": 8.5, "alt": 400.0}, "scale_m": 5, "step_ms": 1000, "map_side_u": 100,
-            "epoch_unix_ms": 5, "rate_hz": 10, "dynamics": "ideal", "lockstep": False, "lockstep_timeout_s": 1,
-            "speed": 3, "wind": [0, 0], "gps_noise_m": 0, "seed": 4, "battery": {"percent": 80, "minutes": 20},
-            "start_u": [[1, 2]], "signing_key_file": "key", "faults": [{"id": 3, "kind": "nan"}],
-            "guided_timeout_s": 0.8, "ekf_ready_s": 1, "boot_ms": 6, "unix_ms": 7,
-        })  # fmt: skip
+        fleet = config.read(
+            {
+                "vehicles": [
+                    {"id": 3, "system": 9, "host": "::1", "port": 1, "dialect": "px4", "lat": 1, "lon": 2, "alt": 3}
+                ],
+                "origin": {"lat": 47.4, "lon": 8.5, "alt": 400.0},
+                "scale_m": 5,
+                "step_ms": 1000,
+                "map_side_u": 100,
+                "epoch_unix_ms": 5,
+                "rate_hz": 10,
+                "dynamics": "ideal",
+                "lockstep": False,
+                "lockstep_timeout_s": 1,
+                "speed": 3,
+                "wind": [0, 0],
+                "gps_noise_m": 0,
+                "seed": 4,
+                "battery": {"percent": 80, "minutes": 20},
+                "start_u": [[1, 2]],
+                "signing_key_file": "key",
+                "faults": [{"id": 3, "kind": "nan"}],
+                "guided_timeout_s": 0.8,
+                "ekf_ready_s": 1,
+                "boot_ms": 6,
+                "unix_ms": 7,
+            }
+        )
         self.assertEqual(fleet.vehicles[0].start_u, (1.0, 2.0))
         self.assertEqual((fleet.battery.percent, fleet.unix_ms, fleet.ekf_ready_ms), (80, 7, 1000))
 
@@ -99,8 +119,18 @@ class ControlLines(unittest.TestCase):
         self.assertTrue(self.flight.fleet.stopped)
 
     def test_nonsense_is_told_and_passed_over(self):
-        for command in (b"{", b"[1]", {"fly": 1}, {"mode": {"id": 9, "name": "LOITER"}}, {"mode": {"id": 1, "name": "X"}},
-                        {"fault": {"id": 9, "kind": "nan"}}, {"fault": 3}, {"mode": 3}, {"speed": "x"}, {"a": 1, "b": 2}):  # fmt: skip
+        for command in (
+            b"{",
+            b"[1]",
+            {"fly": 1},
+            {"mode": {"id": 9, "name": "LOITER"}},
+            {"mode": {"id": 1, "name": "X"}},
+            {"fault": {"id": 9, "kind": "nan"}},
+            {"fault": 3},
+            {"mode": 3},
+            {"speed": "x"},
+            {"a": 1, "b": 2},
+        ):
             self.flight.events.clear()
             self.say(command)
             self.assertEqual(len(self.flight.named("error")), 1, command)
@@ -118,8 +148,11 @@ class Process(unittest.TestCase):
     def start(self, *arguments: str) -> subprocess.Popen:
         child = subprocess.Popen(
             [sys.executable, "-m", "simlink", *arguments],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        )  # fmt: skip
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
         self.addCleanup(child.kill)
         return child
 
@@ -168,8 +201,12 @@ class Process(unittest.TestCase):
         self.assertEqual(child.stderr.read(), "")
 
     def test_what_cannot_be_is_told_and_ends_with_2(self):
-        for line, word in (("{}\n", "vehicles"), ("fleet\n", "no JSON"), ("", "no JSON"),
-                           (self.fleet(signing_key_file="/no/key"), "signing key")):  # fmt: skip
+        for line, word in (
+            ("{}\n", "vehicles"),
+            ("fleet\n", "no JSON"),
+            ("", "no JSON"),
+            (self.fleet(signing_key_file="/no/key"), "signing key"),
+        ):
             child = self.start()
             _, err = child.communicate(line, WAIT_S)
             self.assertEqual(child.returncode, 2)

@@ -34,15 +34,26 @@ class Layout(unittest.TestCase):
         r = random.Random(1)
         for _ in range(300):
             beacon = Beacon(
-                r.randrange(1 << 16), r.randrange(1 << 16), r.randrange(1 << 32), r.randrange(1 << 32),
-                r.randint(-(1 << 28), 1 << 28), r.randint(-(1 << 28), 1 << 28),
-                r.randint(-32_768, 32_767), r.randint(-32_768, 32_767), r.randint(-127, 127),
-            )  # fmt: skip
+                r.randrange(1 << 16),
+                r.randrange(1 << 16),
+                r.randrange(1 << 32),
+                r.randrange(1 << 32),
+                r.randint(-(1 << 28), 1 << 28),
+                r.randint(-(1 << 28), 1 << 28),
+                r.randint(-32_768, 32_767),
+                r.randint(-32_768, 32_767),
+                r.randint(-127, 127),
+            )
             values = tuple(r.randint(-128, 127) for _ in range(r.randint(1, 64)))
             feature = Feature(
-                r.randrange(1 << 16), r.randrange(1 << 16), r.randrange(1 << 32), r.randint(1, 17),
-                r.randrange(1 << 32), r.randint(-32_768, 32_767), values,
-            )  # fmt: skip
+                r.randrange(1 << 16),
+                r.randrange(1 << 16),
+                r.randrange(1 << 32),
+                r.randint(1, 17),
+                r.randrange(1 << 32),
+                r.randint(-32_768, 32_767),
+                values,
+            )
             for m in (beacon, feature):
                 self.assertEqual(message.decode(m.encode()), m)
 
@@ -143,7 +154,9 @@ class Checking(unittest.TestCase):
             checker.take(datagram)
         report = checker.report()
         self.assertTrue(report["sound"], report)
-        self.assertEqual(report["senders"]["2"], {"beacons": 20, "features": 20, "lost": 0, "repeated": 0, "steps": [65_530, 65_549]})
+        self.assertEqual(
+            report["senders"]["2"], {"beacons": 20, "features": 20, "lost": 0, "repeated": 0, "steps": [65_530, 65_549]}
+        )
         self.assertEqual((report["actors"], report["widths"]), (["00c0ffee"], [3]))
 
     def test_losses_are_counted_and_no_fault(self):
@@ -240,7 +253,14 @@ class Link(unittest.TestCase):
         self.assertEqual(broadcast.listen, ("0.0.0.0", 14_600))
         peers = SwarmAddress.read("peers:0.0.0.0:14600,192.168.4.3:14600, 192.168.4.4:14601")
         self.assertEqual(peers.to, (("192.168.4.3", 14_600), ("192.168.4.4", 14_601)))
-        for wrong in ("", "udp:1.2.3.4:5", "multicast:10.0.0.1:5", "peers:1.2.3.4", "broadcast:x:1", "peers:1.2.3.4:99999"):
+        for wrong in (
+            "",
+            "udp:1.2.3.4:5",
+            "multicast:10.0.0.1:5",
+            "peers:1.2.3.4",
+            "broadcast:x:1",
+            "peers:1.2.3.4:99999",
+        ):
             with self.assertRaises(AddressError, msg=wrong):
                 SwarmAddress.read(wrong)
 
