@@ -55,7 +55,8 @@ fn compare(actor: &Actor<'_>, situations: &[Situation]) -> (f64, f64) {
     (agreeing as f64 / all as f64, (apart / spread).sqrt())
 }
 
-fn check(settings: &Settings) {
+/// Share of decisions in which both have the same greatest logit.
+fn check(settings: &Settings) -> f64 {
     let name = settings.graph.0.name();
     let float = trained(settings);
     let scenario = settings.world();
@@ -71,8 +72,8 @@ fn check(settings: &Settings) {
     let (_, situations) = calibrate(&float, &scenario, 2, 4).expect("flown");
     let (agreeing, apart) = compare(&actor, &situations);
     println!("{name}: agreement {agreeing:.4}, logits {apart:.4} apart");
-    assert!(agreeing >= 0.95, "{name}: the greatest logits agree in {agreeing:.4} of decisions");
     assert!(apart < 0.05, "{name}: logits are {apart:.4} of their spread apart");
+    agreeing
 }
 
 fn tiny(graph: Aggregation) -> Settings {
@@ -99,8 +100,10 @@ fn tiny(graph: Aggregation) -> Settings {
 
 #[test]
 fn small_networks_keep_their_choices_in_int8() {
+    // Trained anew, a policy has more or fewer near ties: the mean over four is judged.
     for graph in Aggregation::ALL {
-        check(&tiny(graph));
+        let agreeing = (1..=4).map(|seed| check(&Settings { seed, ..tiny(graph) })).sum::<f64>() / 4.0;
+        assert!(agreeing >= 0.97, "{}: the greatest logits agree in {agreeing:.4} of decisions", graph.name());
     }
 }
 
@@ -109,7 +112,8 @@ fn small_networks_keep_their_choices_in_int8() {
 fn the_full_network_keeps_its_choices_in_int8() {
     for graph in Aggregation::ALL {
         let paper = Settings { graph: Graph(graph), ..Settings::default() };
-        check(&Settings { episodes: 16, worlds: 4, minibatch: 1000, calibration_worlds: 4, ..paper });
+        let agreeing = check(&Settings { episodes: 16, worlds: 4, minibatch: 1000, calibration_worlds: 4, ..paper });
+        assert!(agreeing >= 0.95, "{}: the greatest logits agree in {agreeing:.4} of decisions", graph.name());
     }
 }
 
