@@ -16,9 +16,9 @@ pub use reader::{Reader, Source};
 pub use rejected::{Counts, Rejected};
 
 use crate::signing::Timestamp;
-use mavlink::dialects::common::{HEARTBEAT_DATA, MavMessage};
+use mavlink::dialects::common::MavMessage;
 use mavlink::error::ParserError;
-use mavlink::{MavlinkVersion, Message as _, MessageData as _};
+use mavlink::{MavlinkVersion, Message as _};
 use std::fmt;
 
 /// Length of the longest frame, bytes: MAVLink 2 with a full payload and a signature.
@@ -33,8 +33,6 @@ const HEADER_V2: usize = 10;
 const CHECKSUM: usize = 2;
 /// The one incompatibility flag there is: a signature follows.
 const FLAG_SIGNED: u8 = 1;
-/// EKF_STATUS_REPORT, the one message read that is not in the common set.
-const EKF_STATUS_REPORT: u32 = 193;
 
 /// The two versions of MAVLink's framing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,19 +63,6 @@ pub struct Signature {
     pub timestamp: Timestamp,
     /// The code that only a holder of the key can make.
     pub code: [u8; 6],
-}
-
-/// ArduPilot's EKF_STATUS_REPORT (#193), which the common message set lacks.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EkfStatus {
-    /// Bits of EKF_STATUS_FLAGS: 1 attitude, 2 horizontal velocity, 4 vertical velocity, 8
-    /// relative and 16 absolute horizontal position, 32 absolute and 64 relative-to-ground
-    /// vertical position, 128 constant-position mode, 256 and 512 predicted relative and
-    /// absolute horizontal position, 1024 uninitialised, 32768 GPS glitching.
-    pub flags: u16,
-    /// Velocity, horizontal position, vertical position, compass, terrain altitude: test
-    /// ratios, 1 and above is a measurement refused.
-    pub variances: [f32; 5],
 }
 
 impl Frame {
@@ -153,38 +138,15 @@ impl Frame {
         Some(Signature { link_id, timestamp, code: *code })
     }
 
-    /// What the message says, by the common message set.
-    ///
-    /// Fields that MAVLink added later are ignored. A HEARTBEAT with a vehicle type, autopilot
-    /// or state that this message set does not have is read as generic, generic, and
-    /// uninitialised: a vehicle must not go unheard for its type.
+    /// What the message says, by the common message set. Fields that MAVLink added later are
+    /// ignored.
     ///
     /// # Errors
     /// The message is not in the common set, or a field holds a value that its enumeration does
-    /// not have.
+    /// not have: newer dialects have more. Where that must not cost the message, as of a
+    /// HEARTBEAT, read the fields from [`Frame::payload`].
     pub fn message(&self) -> Result<MavMessage, ParserError> {
-        let (id, version) = (self.message_id(), self.version().into());
-        match MavMessage::parse(version, id, self.payload()) {
-            Err(ParserError::InvalidEnum { .. }) if id == HEARTBEAT_DATA::ID => {
-                MavMessage::parse(version, id, &known_heartbeat(self.payload()))
-            }
-            read => read,
-        }
-    }
-
-    /// What an EKF_STATUS_REPORT says; `None` of any other message.
-    #[must_use]
-    pub fn ekf_status(&self) -> Option<EkfStatus> {
-        (self.message_id() == EKF_STATUS_REPORT).then(|| {
-            let mut full = [0; 22];
-            let len = self.payload().len().min(full.len());
-            full[..len].copy_from_slice(&self.payload()[..len]);
-            let word = |at: usize| [full[at], full[at + 1], full[at + 2], full[at + 3]];
-            EkfStatus {
-                flags: u16::from_le_bytes([full[20], full[21]]),
-                variances: [0, 4, 8, 12, 16].map(|at| f32::from_le_bytes(word(at))),
-            }
-        })
+        MavMessage::parse(self.version().into(), self.message_id(), self.payload())
     }
 
     /// All that a signature covers besides the key, the link id and the timestamp: header,
@@ -230,22 +192,6 @@ const fn message_id(bytes: &[u8]) -> u32 {
         MAGIC_V1 => bytes[5] as u32,
         _ => u32::from_le_bytes([bytes[7], bytes[8], bytes[9], 0]),
     }
-}
-
-/// A heartbeat's payload with 0 in place of enumerated values that the message set lacks.
-fn known_heartbeat(payload: &[u8]) -> [u8; HEARTBEAT_DATA::ENCODED_LEN] {
-    let mut full = [0; HEARTBEAT_DATA::ENCODED_LEN];
-    let len = payload.len().min(full.len());
-    full[..len].copy_from_slice(&payload[..len]);
-    // Vehicle type, autopilot, state.
-    for at in [4, 5, 7] {
-        let mut alone = [0; HEARTBEAT_DATA::ENCODED_LEN];
-        alone[at] = full[at];
-        if HEARTBEAT_DATA::deser(MavlinkVersion::V2, &alone).is_err() {
-            full[at] = 0;
-        }
-    }
-    full
 }
 
 /// Who sent what, without the payload: SETUP_SIGNING's holds a key.

@@ -119,10 +119,6 @@ impl SwarmLink {
     /// The next message of a neighbour. What is none is counted and passed over.
     pub fn next_message(&mut self, session: &mut Session, now: Timestamp) -> Option<Neighbour> {
         while let Some(frame) = self.reader.next_frame() {
-            // The reader has counted this one.
-            if !frame.is_checked() {
-                continue;
-            }
             match self.unwrap(&frame, session, now) {
                 Ok(message) => return Some(Neighbour { message, frame }),
                 Err(reason) => self.counts.count(reason),

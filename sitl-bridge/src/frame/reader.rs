@@ -70,7 +70,8 @@ impl Reader {
         (self.at, self.counted) = (0, 0);
     }
 
-    /// The next frame, in the order of arrival.
+    /// The next frame, in the order of arrival: one whose checksum holds, or one of an unknown
+    /// message, which only a signature can vouch for (see [`Frame::is_checked`]).
     pub fn next_frame(&mut self) -> Option<Frame> {
         while self.at < self.buffer.len() {
             let rest = &self.buffer[self.at..];
@@ -90,7 +91,6 @@ impl Reader {
                     Hidden::None => {
                         self.at += frame.len;
                         self.counted = self.at;
-                        self.counts.count(Rejected::UnknownMessage);
                         return Some(frame);
                     }
                     Hidden::Perhaps => return None,
@@ -113,7 +113,7 @@ impl Reader {
         None
     }
 
-    /// What was met that is no frame, and frames of unknown messages.
+    /// What was met that is no frame.
     #[must_use]
     pub const fn counts(&self) -> &Counts {
         &self.counts

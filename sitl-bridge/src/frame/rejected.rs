@@ -14,11 +14,9 @@ pub enum Rejected {
     BadChecksum,
     /// A MAVLink 2 frame with an incompatibility flag that nobody has defined.
     UnknownFlags,
-    /// A frame of a message that is in no known dialect: its checksum cannot be known. It is
-    /// handed out, marked as unchecked, and counted.
+    /// A frame of a message that is in no known dialect, so that its checksum cannot be known,
+    /// without a signature that vouches for it.
     UnknownMessage,
-    /// A sound frame whose message holds a value that its enumeration does not have.
-    Unreadable,
     /// No signature where one is required.
     Unsigned,
     /// A signature by another key, or a forged one.
@@ -45,13 +43,12 @@ pub enum Rejected {
 
 impl Rejected {
     /// All of them, in the order in which they are met.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 16] = [
         Self::Garbage,
         Self::Truncated,
         Self::BadChecksum,
         Self::UnknownFlags,
         Self::UnknownMessage,
-        Self::Unreadable,
         Self::Unsigned,
         Self::WrongKey,
         Self::Replayed,
@@ -74,7 +71,6 @@ impl Rejected {
             Self::BadChecksum => "bad_checksum",
             Self::UnknownFlags => "unknown_flags",
             Self::UnknownMessage => "unknown_message",
-            Self::Unreadable => "unreadable",
             Self::Unsigned => "unsigned",
             Self::WrongKey => "wrong_key",
             Self::Replayed => "replayed",

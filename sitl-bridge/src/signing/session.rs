@@ -1,8 +1,8 @@
 //! Signing what is sent, and deciding what is believed.
 
-use super::{Key, StateFile, StateFileError, Timestamp};
+use super::state_file::{StateFile, StateFileError, Streams};
+use super::{Key, Timestamp};
 use crate::frame::{Frame, Rejected};
-use std::collections::HashMap;
 use std::time::Duration;
 use thiserror::Error;
 
@@ -67,7 +67,7 @@ impl LinkSigning {
 #[derive(Debug, Default)]
 pub struct Session {
     /// The newest accepted timestamp of each (system, component, link id).
-    streams: HashMap<(u8, u8, u8), Timestamp>,
+    streams: Streams,
     /// The last time we were told.
     told: Timestamp,
     /// Our time is what we are told and this much more: what the clock once jumped back, and
@@ -92,10 +92,10 @@ impl Session {
     /// The file cannot be written.
     pub fn with_state(mut state: StateFile, now: Timestamp) -> Result<Self, StateFileError> {
         let mut session = Self::new();
-        session.issued = state.reserved();
+        (session.issued, session.streams) = (state.reserved(), state.streams());
         session.learn(state.time(), now);
         let time = session.time(now);
-        state.reserve(time, time.max(session.issued.next()))?;
+        state.reserve(time, time.max(session.issued.next()), &session.streams)?;
         session.state = Some(state);
         Ok(session)
     }
@@ -124,17 +124,16 @@ impl Session {
 
     /// Whether a frame that arrived on this link may be believed.
     ///
-    /// The frame's checksum must hold or be unknown; [`crate::frame::Reader`] hands out no
-    /// others.
-    ///
     /// # Errors
     /// [`Rejected::Unsigned`], [`Rejected::WrongKey`], [`Rejected::Replayed`] or
-    /// [`Rejected::OldTimestamp`].
+    /// [`Rejected::OldTimestamp`]; [`Rejected::UnknownMessage`] when neither a checksum nor a
+    /// signature vouches for it.
     pub fn check(&mut self, link: &LinkSigning, frame: &Frame, now: Timestamp) -> Result<(), Rejected> {
-        let Some(key) = &link.key else { return Ok(()) };
+        let sound = if frame.is_checked() { Ok(()) } else { Err(Rejected::UnknownMessage) };
+        let Some(key) = &link.key else { return sound };
         let Some(signature) = frame.signature() else {
             let exempt = link.unsigned == Unsigned::Accept || frame.message_id() == RADIO_STATUS;
-            return if exempt { Ok(()) } else { Err(Rejected::Unsigned) };
+            return if exempt { sound } else { Err(Rejected::Unsigned) };
         };
         // Only after the code is anything else believed, so that a forger cannot fill the table.
         let link_and_time = frame.signature_bytes().map_or(&[][..], |bytes| &bytes[..7]);
@@ -172,7 +171,7 @@ impl Session {
         let time = self.time(now);
         self.issued = time.max(self.issued.next());
         if let Some(state) = &mut self.state {
-            state.keep_ahead_of(time, self.issued);
+            state.keep_ahead_of(time, self.issued, &self.streams);
         }
         self.issued
     }
@@ -196,7 +195,7 @@ impl Session {
 impl Drop for Session {
     fn drop(&mut self) {
         if let Some(state) = &mut self.state {
-            state.close(self.told.after(self.ahead), self.issued);
+            state.close(self.told.after(self.ahead), self.issued, std::mem::take(&mut self.streams));
         }
     }
 }

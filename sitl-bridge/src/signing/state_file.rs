@@ -1,10 +1,11 @@
-//! Timestamps that survive a restart.
+//! Timestamps that survive a restart: those that were issued, and those that were heard.
 //!
 //! The file says up to when timestamps may have been issued. It is written ahead, a block of
 //! time at once, so that signing itself never waits for a disk; whoever starts from it begins
-//! behind the whole block.
+//! behind the whole block. With each block goes what was last heard of each sender.
 
 use super::Timestamp;
+use std::collections::BTreeMap;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -19,6 +20,8 @@ const BLOCK: Duration = Duration::from_secs(60);
 const MARGIN: Duration = Duration::from_secs(30);
 /// The first line; times follow in units of 10 µs since 2015.
 const HEAD: &str = "covey signing state 1";
+/// The last line: a file without it was cut.
+const END: &str = "end\n";
 
 /// Why a state file cannot be used.
 #[derive(Debug, Error)]
@@ -60,13 +63,18 @@ pub struct StateFile {
     writer: Option<JoinHandle<()>>,
 }
 
+/// The newest timestamp of each (system, component, link id) that was believed.
+pub(super) type Streams = BTreeMap<(u8, u8, u8), Timestamp>;
+
 /// What the file says.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct Saved {
     /// The session's time when it was written.
     time: Timestamp,
     /// Timestamps up to here may have been issued.
     reserved: Timestamp,
+    /// What was heard.
+    streams: Streams,
 }
 
 #[derive(Debug)]
@@ -110,10 +118,20 @@ impl StateFile {
         lock(&self.shared).saved.time
     }
 
+    /// What was heard until then.
+    pub(super) fn streams(&self) -> Streams {
+        lock(&self.shared).saved.streams.clone()
+    }
+
     /// Reserves the block that begins at `next`, and waits until it is on the disk.
-    pub(super) fn reserve(&mut self, time: Timestamp, next: Timestamp) -> Result<(), StateFileError> {
-        let saved = Saved { time, reserved: next.after(BLOCK) };
-        write(&self.path, saved).map_err(|source| StateFileError::Write { path: self.path.clone(), source })?;
+    pub(super) fn reserve(
+        &mut self,
+        time: Timestamp,
+        next: Timestamp,
+        streams: &Streams,
+    ) -> Result<(), StateFileError> {
+        let saved = Saved { time, reserved: next.after(BLOCK), streams: streams.clone() };
+        write(&self.path, &saved).map_err(|source| StateFileError::Write { path: self.path.clone(), source })?;
         lock(&self.shared).saved = saved;
         Ok(())
     }
@@ -122,14 +140,14 @@ impl StateFile {
     ///
     /// A disk that fails in flight does not stop the flight: it is remembered as an error, and
     /// tried again with the next timestamp.
-    pub(super) fn keep_ahead_of(&mut self, time: Timestamp, issued: Timestamp) {
+    pub(super) fn keep_ahead_of(&mut self, time: Timestamp, issued: Timestamp, streams: &Streams) {
         if self.reserved() >= issued.after(MARGIN) || self.writer.as_ref().is_some_and(|w| !w.is_finished()) {
             return;
         }
         let (path, shared) = (self.path.clone(), Arc::clone(&self.shared));
-        let saved = Saved { time, reserved: issued.after(BLOCK) };
+        let saved = Saved { time, reserved: issued.after(BLOCK), streams: streams.clone() };
         let job = move || {
-            let written = write(&path, saved);
+            let written = write(&path, &saved);
             let mut shared = lock(&shared);
             match written {
                 Ok(()) => *shared = Shared { saved, error: None },
@@ -145,13 +163,13 @@ impl StateFile {
     }
 
     /// Writes down what was really used.
-    pub(super) fn close(&mut self, time: Timestamp, issued: Timestamp) {
+    pub(super) fn close(&mut self, time: Timestamp, issued: Timestamp, streams: Streams) {
         if let Some(writer) = self.writer.take() {
             // It has nothing to hand over, and if it panicked, the block it had reserved stands.
             drop(writer.join());
         }
         // When this fails, the block that was reserved stands: the next session begins behind it.
-        drop(write(&self.path, Saved { time, reserved: issued }));
+        drop(write(&self.path, &Saved { time, reserved: issued, streams }));
     }
 
     /// What went wrong with the last block.
@@ -165,11 +183,16 @@ fn lock(shared: &Mutex<Shared>) -> std::sync::MutexGuard<'_, Shared> {
 }
 
 /// Replaces the file as a whole: a crash leaves the old one or the new one.
-fn write(path: &Path, saved: Saved) -> io::Result<()> {
+fn write(path: &Path, saved: &Saved) -> io::Result<()> {
+    let (time, reserved) = (saved.time.ticks(), saved.reserved.ticks());
+    let mut text = format!("{HEAD}\ntime {time}\nreserved {reserved}\n");
+    for ((system, component, link), newest) in &saved.streams {
+        text += &format!("heard {system} {component} {link} {}\n", newest.ticks());
+    }
+    text += END;
     let fresh = beside(path, "new");
     let mut file = File::create(&fresh)?;
-    let (time, reserved) = (saved.time.ticks(), saved.reserved.ticks());
-    write!(file, "{HEAD}\ntime {time}\nreserved {reserved}\n")?;
+    file.write_all(text.as_bytes())?;
     file.sync_all()?;
     fs::rename(&fresh, path)?;
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -177,14 +200,24 @@ fn write(path: &Path, saved: Saved) -> io::Result<()> {
 }
 
 fn parse(text: &str) -> Option<Saved> {
-    let mut lines = text.strip_prefix(HEAD)?.strip_prefix('\n')?.split_inclusive('\n');
-    let mut field = |name: &str| {
-        let ticks = lines.next()?.strip_suffix('\n')?.strip_prefix(name)?.parse().ok()?;
-        let time = Timestamp::from_ticks(ticks);
-        (time.ticks() == ticks).then_some(time)
+    let mut lines = text.strip_prefix(HEAD)?.strip_prefix('\n')?.strip_suffix(END)?.lines();
+    let time = ticks(lines.next()?.strip_prefix("time ")?)?;
+    let reserved = ticks(lines.next()?.strip_prefix("reserved ")?)?;
+    let stream = |line: &str| {
+        let mut fields = line.strip_prefix("heard ")?.split(' ');
+        let mut byte = || fields.next()?.parse().ok();
+        let stream = (byte()?, byte()?, byte()?);
+        let newest = ticks(fields.next()?)?;
+        fields.next().is_none().then_some((stream, newest))
     };
-    let (time, reserved) = (field("time ")?, field("reserved ")?);
-    lines.next().is_none().then_some(Saved { time, reserved })
+    let streams = lines.map(stream).collect::<Option<Streams>>()?;
+    Some(Saved { time, reserved, streams })
+}
+
+/// A timestamp of 48 bits.
+fn ticks(text: &str) -> Option<Timestamp> {
+    let ticks = text.parse().ok()?;
+    Some(Timestamp::from_ticks(ticks)).filter(|time| time.ticks() == ticks)
 }
 
 fn beside(path: &Path, suffix: &str) -> PathBuf {

@@ -1,4 +1,5 @@
 use super::frame;
+use sitl_bridge::frame::Rejected;
 use sitl_bridge::signing::{Key, LinkSigning, Session, StateFile, StateFileError, Timestamp, Unsigned};
 use std::fs::{self, Permissions};
 use std::os::unix::fs::{PermissionsExt as _, symlink};
@@ -157,20 +158,54 @@ fn a_state_that_cannot_be_kept_is_refused_at_the_start() {
     assert!(error.contains("no-such-folder") && error.contains("may write"), "{error}");
 
     let path = folder.path().join("state");
-    for damage in ["", "covey signing state 2\ntime 1\nreserved 2\n", "covey signing state 1\ntime 1\n", "\u{0}\u{0}"] {
-        fs::write(&path, damage).unwrap();
+    let sound = "covey signing state 1\ntime 1\nreserved 2\nheard 1 1 0 2\nheard 2 191 1 3\nend\n";
+    fs::write(&path, sound).unwrap();
+    assert!(open(&path, 0).is_ok());
+    let cut = (0..sound.len()).map(|len| sound[..len].to_owned());
+    let changed = [
+        ("1\nt", "2\nt"),
+        ("time 1", "time -1"),
+        ("d 2\n", "d 999999999999999999\n"),
+        ("191", "256"),
+        ("3\n", "3 4\n"),
+    ];
+    for damage in cut.chain(changed.map(|(from, to)| sound.replacen(from, to, 1))).chain([sound.to_owned() + "\n"]) {
+        fs::write(&path, &damage).unwrap();
         assert!(matches!(open(&path, 0), Err(StateFileError::Damaged(_))), "{damage:?}");
     }
-    for damage in [&b"\xff\xff"[..], b"covey signing state 1\ntime 1\nreserved 999999999999999999\n"] {
-        fs::write(&path, damage).unwrap();
-        assert!(matches!(open(&path, 0), Err(StateFileError::Damaged(_))));
-    }
+    fs::write(&path, b"\xff\xff").unwrap();
+    assert!(matches!(open(&path, 0), Err(StateFileError::Damaged(_))));
     fs::remove_file(&path).unwrap();
 
     let first = open(&path, 0).unwrap();
     assert!(matches!(open(&path, 0), Err(StateFileError::InUse(_))));
     drop(first);
     assert!(open(&path, 0).is_ok());
+}
+
+/// What was heard before is a replay after.
+#[test]
+fn a_restart_does_not_forget_what_was_heard() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, after_crash) = (folder.path().join("state"), folder.path().join("after-crash"));
+    let link = LinkSigning::new(Key::new([1; 32]), 1, Unsigned::Refuse);
+    let mut sender = Session::new();
+    let heard = sender.seal(&link, frame(1), NOW).unwrap();
+    let mut session = open(&path, 0).unwrap();
+    assert_eq!(session.check(&link, &heard, NOW), Ok(()));
+    // The next block is written with it.
+    issue(&mut session, 55);
+    while !fs::read_to_string(&path).unwrap().contains("heard 1 1 1 ") {
+        std::thread::yield_now();
+    }
+    fs::copy(&path, &after_crash).unwrap();
+    drop(session);
+    let next = sender.seal(&link, frame(2), NOW).unwrap();
+    for path in [path, after_crash] {
+        let mut session = open(&path, 0).unwrap();
+        assert_eq!(session.check(&link, &heard, NOW), Err(Rejected::Replayed));
+        assert_eq!(session.check(&link, &next, NOW), Ok(()));
+    }
 }
 
 /// A disk that fails in flight is said, and does not stop the flight.

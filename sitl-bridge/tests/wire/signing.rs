@@ -50,6 +50,33 @@ fn unsigned_frames_and_wrong_keys_are_refused() {
     assert_eq!(session.check(&LinkSigning::off(), &signed(&link(2, 0), NOW), NOW), Ok(()));
 }
 
+/// Neither a checksum nor anything else vouches for it; with a signature that does not matter.
+#[test]
+fn an_unknown_message_is_believed_only_when_signed() {
+    let unknown = |bytes: &[u8]| {
+        let mut bytes = bytes.to_vec();
+        bytes[7..10].copy_from_slice(&[0x60, 0xEA, 0]);
+        read(&bytes).0[0]
+    };
+    let lenient = LinkSigning::new(Key::new([1; 32]), 0, Unsigned::Accept);
+    let plain = unknown(frame(1).bytes());
+    assert!(!plain.is_checked());
+    for link in [LinkSigning::off(), lenient.clone()] {
+        assert_eq!(Session::new().check(&link, &plain, NOW), Err(Rejected::UnknownMessage));
+    }
+    assert_eq!(Session::new().check(&link(1, 0), &plain, NOW), Err(Rejected::Unsigned));
+    let signature_of_another = unknown(signed(&lenient, NOW).bytes());
+    assert_eq!(Session::new().check(&lenient, &signature_of_another, NOW), Err(Rejected::WrongKey));
+    // Made by somebody who knows this message: one byte of payload, signed with our key at NOW.
+    let genuine = [
+        0xFD, 1, 1, 0, 0, 1, 1, 0x60, 0xEA, 0, 7, 0x12, 0x34, 0, 0x00, 0x70, 0x3d, 0x18, 0xa5, 0x21, 0x37, 0xd1, 0x89,
+        0x99, 0x67, 0x4d,
+    ];
+    let genuine = read(&genuine).0[0];
+    assert!(!genuine.is_checked());
+    assert_eq!(Session::new().check(&lenient, &genuine, NOW), Ok(()));
+}
+
 #[test]
 fn a_flipped_bit_anywhere_is_refused() {
     let sealed = signed(&link(1, 0), NOW);
