@@ -69,6 +69,9 @@ struct Step {
     begun_ms: i64,
     state: State,
     beacons: u32,
+    /// Whether the UAV was in the air when it began, at or after the epoch: else it is not
+    /// one to decide in.
+    counts: bool,
     encoded: Option<Encoded>,
     decided: bool,
 }
@@ -192,20 +195,19 @@ impl<'a> Brain<'a> {
         let step_ms = i64::from(self.mission.scale.step_ms);
         // Before step 0 steps have numbers too, so that who begins first is heard.
         let (number, phase_ms) = (since_ms.div_euclid(step_ms) as u32, since_ms.rem_euclid(step_ms));
-        let counts = since_ms >= 0;
         if self.step() != Some(number) {
-            let begun = self.begin(number, sample, flies && since_ms >= step_ms);
-            thought.begun = counts.then_some(begun);
+            let begun = self.begin(number, sample, flies && since_ms >= 0);
+            thought.begun = (since_ms >= 0).then_some(begun);
         }
-        if flies && counts {
+        if flies {
             self.act(phase_ms, sample, &mut thought);
         }
         thought
     }
 
-    /// `counts` says whether the step before was one to decide in.
+    /// `counts` says whether it is one to decide in.
     fn begin(&mut self, number: u32, sample: &Sample, counts: bool) -> StepBegun {
-        if let Some(last) = self.step.take().filter(|_| counts) {
+        if let Some(last) = self.step.take().filter(|last| last.counts && counts) {
             let passed = number.wrapping_sub(last.moment.step);
             // More than this is another clock, not a pause.
             let skipped = if passed <= 1000 { u64::from(passed.saturating_sub(1)) } else { 0 };
@@ -217,6 +219,7 @@ impl<'a> Brain<'a> {
             begun_ms: sample.common_ms,
             state: sample.state,
             beacons: 0,
+            counts,
             encoded: None,
             decided: false,
         });
@@ -227,7 +230,7 @@ impl<'a> Brain<'a> {
     }
 
     fn act(&mut self, phase_ms: i64, sample: &Sample, thought: &mut Thought) {
-        let Some(mut step) = self.step.take() else { return };
+        let Some(mut step) = self.step.take_if(|step| step.counts) else { return };
         let due = self.timing.beacon_ms.map_or(0, |every| (sample.common_ms - step.begun_ms) / i64::from(every.max(1)));
         if i64::from(step.beacons) <= due {
             step.beacons = due as u32 + 1;

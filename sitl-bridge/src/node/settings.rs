@@ -79,12 +79,13 @@ pub fn gate_limits(base: Limits, mission: &Mission) -> Limits {
     let speed = scale.mps(SPEED_CAP_U as f32) * ratio(base.max_speed_mm_s, flight.max_speed_mm_s);
     let acceleration =
         scale.mps2(SPEED_CAP_U as f32) * ratio(base.max_acceleration_mm_s2, flight.max_acceleration_mm_s2);
-    let acceleration_mm_s2 = (acceleration * 1000.0).ceil() as u32;
+    // A diagonal of whole mm/s² may be longer than it should be by one.
+    let acceleration_mm_s2 = (acceleration * 1000.0).ceil() as u32 + 2;
     let layers = mission.layers;
     let highest_m = layers.base_m + f64::from(layers.count - 1) * layers.spacing_m;
     let steps = |n: f64| (n * f64::from(scale.step_ms)) as u32;
     Limits {
-        max_speed_mm_s: (speed * 1000.0).ceil() as u32,
+        max_speed_mm_s: (speed * 1000.0).ceil() as u32 + 2,
         max_acceleration_mm_s2: acceleration_mm_s2,
         braking_mm_s2: base.braking_mm_s2.min(acceleration_mm_s2),
         altitude_floor_mm: base.altitude_floor_mm.min((layers.base_m * 500.0) as i32),

@@ -40,6 +40,8 @@ pub struct Vehicle {
     pub refuse: Option<(u16, u8, &'static str)>,
     /// Commands are not answered.
     pub mute: bool,
+    /// SYSTEM_TIME has the time of day.
+    pub knows_time: bool,
     pub with_local: bool,
     /// LOCAL_POSITION_NED carries no numbers.
     pub broken: bool,
@@ -71,6 +73,7 @@ impl Vehicle {
             heartbeats: 0,
             refuse: None,
             mute: false,
+            knows_time: true,
             with_local: true,
             broken: false,
             encoder: Encoder::new(7, 1),
@@ -108,7 +111,7 @@ impl Vehicle {
             out.push(self.frame(1, &status));
             let (lat, lon) = (self.mission.plane.lat_e7, self.mission.plane.lon_e7);
             out.push(self.frame(49, &[&lat.to_le_bytes()[..], &lon.to_le_bytes(), &[0; 4]].concat()));
-            let unix_us = (self.unix_ms as u64) * 1000;
+            let unix_us = if self.knows_time { self.unix_ms as u64 * 1000 } else { 0 };
             out.push(self.frame(2, &[&unix_us.to_le_bytes()[..], &self.boot_ms.to_le_bytes()].concat()));
         }
         out.push(self.global());
