@@ -322,11 +322,12 @@ impl Autopilot {
         }
     }
 
-    /// Messages to ask for and how often, Hz.
+    /// Messages to ask for and how often, Hz. SYSTEM_TIME comes as often as positions: by it
+    /// their absence is noticed.
     fn subscriptions(&self) -> impl Iterator<Item = (u16, f64)> + use<> {
         let estimator = if self.dialect == Some(Dialect::Px4) { 230 } else { 193 };
         let rate = self.rate_hz;
-        [(32, rate), (33, rate), (2, 1.0), (estimator, 2.0), (24, 1.0), (1, 1.0), (49, 0.5), (245, 1.0)].into_iter()
+        [(32, rate), (33, rate), (2, rate), (estimator, 2.0), (24, 1.0), (1, 1.0), (49, 0.5), (245, 1.0)].into_iter()
     }
 
     fn subscribe(&mut self, now_ms: i64) {

@@ -1,12 +1,15 @@
 //! Options that flights have in common.
 
 use super::actor_file::{self, ActorFileError};
-use crate::node::Timing;
+use crate::node::{Order, Timing};
 use crate::signing::{Key, LinkSigning, Session, StateFile, Timestamp, Unsigned};
 use miette::{IntoDiagnostic as _, Result, WrapErr as _, miette};
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::{io, thread};
 
 /// The actor that comes with Covey.
 const SHIPPED: &[u8] = include_bytes!("../../../host-trainer/actors/default.postcard");
@@ -114,6 +117,44 @@ impl SigningArgs {
         }
         let state = StateFile::open(&path).into_diagnostic()?;
         Session::with_state(state, Timestamp::now()).into_diagnostic().wrap_err("signatures have no time")
+    }
+}
+
+/// What the operator types in flight, for any number of nodes.
+#[derive(Debug, Default)]
+pub struct Console(RefCell<Vec<Sender<Order>>>);
+
+impl Console {
+    /// One node's end.
+    pub(super) fn listener(&self) -> Receiver<Order> {
+        let (send, receive) = channel();
+        self.0.borrow_mut().push(send);
+        receive
+    }
+
+    /// Reads orders from the standard input from now on, until it ends. What is no order is
+    /// answered with those there are.
+    pub(super) fn listen(&self) {
+        let nodes = self.0.take();
+        thread::spawn(move || {
+            for line in io::stdin().lines().map_while(Result::ok) {
+                let order = match line.trim().to_ascii_lowercase().as_str() {
+                    "" => continue,
+                    "start" => Order::Start,
+                    "release" => Order::Release,
+                    "return" => Order::Return,
+                    "land" => Order::Land,
+                    other => {
+                        eprintln!("`{other}`? start, release, return and land are understood; Ctrl-C ends");
+                        continue;
+                    }
+                };
+                // A node that has ended takes no more.
+                for node in &nodes {
+                    let _ = node.send(order);
+                }
+            }
+        });
     }
 }
 

@@ -1,7 +1,7 @@
 //! `fly`: one UAV.
 
 use super::actor_file::flight_ready;
-use super::common::{ActorArgs, SigningArgs, TimingArgs, stop_flag};
+use super::common::{ActorArgs, Console, SigningArgs, TimingArgs, stop_flag};
 use crate::connection::{Address, Connection};
 use crate::mission::{Mission, PoiMap};
 use crate::node::run::{Control, Links, Report, run};
@@ -97,7 +97,10 @@ impl Fly {
             mission,
         };
         let mut node = Node::new(settings, self.signing.session(None)?).into_diagnostic()?;
-        let control = Control::new(stop_flag()?, self.land_on_exit);
+        let mut control = Control::new(stop_flag()?, self.land_on_exit);
+        let console = Console::default();
+        control.orders = Some(console.listener());
+        console.listen();
         let (reports, received) = channel();
         let json = self.json;
         let printer = std::thread::spawn(move || {

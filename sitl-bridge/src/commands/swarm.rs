@@ -1,7 +1,7 @@
 //! `swarm`: several UAVs from one computer, real or simulated ones.
 
 use super::actor_file::flight_ready;
-use super::common::{ActorArgs, SigningArgs, TimingArgs, stop_flag};
+use super::common::{ActorArgs, Console, SigningArgs, TimingArgs, stop_flag};
 use super::sim::{Simulation, WorldFlight, find_python};
 use crate::connection::{Address, Connection};
 use crate::mission::{Mission, PoiMap};
@@ -205,7 +205,8 @@ impl Swarm {
             eprintln!("UAV {id}: {}", links.autopilot.describe());
             crew.push((Node::new(settings, self.signing.session(Some(id))?).into_diagnostic()?, links));
         }
-        let control = Control::new(stop_flag()?, self.real.land_on_exit);
+        let stop = stop_flag()?;
+        let console = Console::default();
         let (reports, received) = channel();
         let mut counters = Counters::default();
         let flown: std::io::Result<()> = thread::scope(|scope| {
@@ -213,11 +214,14 @@ impl Swarm {
                 .drain(..)
                 .enumerate()
                 .map(|(i, (mut node, links))| {
-                    let (control, reports) = (&control, reports.clone());
-                    scope.spawn(move || run(&mut node, links, control, i, &reports))
+                    let mut control = Control::new(Arc::clone(&stop), self.real.land_on_exit);
+                    control.orders = Some(console.listener());
+                    let reports = reports.clone();
+                    scope.spawn(move || run(&mut node, links, &control, i, &reports))
                 })
                 .collect();
             drop(reports);
+            console.listen();
             for (i, report) in received {
                 let id = usize::from(self.first_id) + i;
                 match report {

@@ -27,8 +27,10 @@ use plan::thousandths;
 
 /// Between two heartbeats of the node, ms.
 const HEARTBEAT_MS: i64 = 1000;
-/// Without telemetry the gate is asked this often, ms of the host's clock.
-const GATE_MS: u64 = 100;
+/// Without positions the gate is asked this often, ms of the vehicle's clock …
+const GATE_MS: u32 = 200;
+/// … and of the host's.
+const GATE_WALL_MS: u64 = 100;
 /// … and a setpoint is sent on its own no sooner than this after the last, ms of the host's clock.
 const SETPOINT_MS: u64 = 200;
 /// What an estimator or a GPS said counts for this long, ms of the vehicle's clock.
@@ -112,6 +114,30 @@ pub struct Status {
     pub battery: Option<u8>,
 }
 
+/// Which setpoints go out when the gate was asked.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Send {
+    /// Any.
+    Any,
+    /// All but the actor's: those follow the positions.
+    Brakes,
+    /// The first of another verdict.
+    News,
+}
+
+/// What an operator can ask of a node in flight.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Order {
+    /// Take the vehicle (again), bring it up if need be, and fly.
+    Start,
+    /// Let it go: no more setpoints.
+    Release,
+    /// Let it return home.
+    Return,
+    /// Let it land on the spot.
+    Land,
+}
+
 /// Flies one UAV.
 #[derive(Debug)]
 pub struct Node<'a> {
@@ -131,6 +157,8 @@ pub struct Node<'a> {
     /// Whether it was started.
     started: bool,
     beat_ms: i64,
+    /// When the gate was last asked, by the vehicle's and by the host's clock.
+    gate_ms: u32,
     gate_wall_ms: u64,
     setpoint_wall_ms: u64,
     streaming: bool,
@@ -172,6 +200,7 @@ impl<'a> Node<'a> {
             operator: None,
             started: false,
             beat_ms: i64::MIN / 2,
+            gate_ms: 0,
             gate_wall_ms: 0,
             setpoint_wall_ms: 0,
             streaming: false,
@@ -200,6 +229,16 @@ impl<'a> Node<'a> {
         self.operator = Some(Request::Release);
         if land {
             self.autopilot.land(self.timebase.now_ms());
+        }
+    }
+
+    /// Carries out what the operator asks for.
+    pub fn obey(&mut self, order: Order) {
+        match order {
+            Order::Start => self.start(),
+            Order::Release => self.release(false),
+            Order::Return => self.operator = Some(Request::Return),
+            Order::Land => self.release(true),
         }
     }
 
@@ -233,7 +272,6 @@ impl<'a> Node<'a> {
     }
 
     /// The gate's last verdict.
-    #[must_use]
     pub const fn verdict(&self) -> Verdict {
         self.verdict
     }
@@ -307,9 +345,11 @@ impl<'a> Node<'a> {
         self.pass_time(now);
         self.tell_silence(now, out);
         // When positions cease the gate is asked all the same.
-        if now.wall_ms.saturating_sub(self.gate_wall_ms) >= GATE_MS {
+        let clock_ms = self.autopilot.vehicle.now_ms().wrapping_sub(self.gate_ms);
+        if clock_ms >= GATE_MS || now.wall_ms.saturating_sub(self.gate_wall_ms) >= GATE_WALL_MS {
             let since = now.wall_ms.saturating_sub(self.setpoint_wall_ms);
-            self.ask_gate(now, since >= SETPOINT_MS, out);
+            let send = if since >= SETPOINT_MS { Send::Brakes } else { Send::News };
+            self.ask_gate(now, send, out);
         }
         self.lead(out, now);
     }
@@ -381,15 +421,15 @@ impl<'a> Node<'a> {
             out.notices.push(Notice::info("the vehicle was brought up by its operator: flying the mission"));
             self.start();
         }
-        self.ask_gate(now, true, out);
+        self.ask_gate(now, Send::Any, out);
     }
 
     /// Asks the gate, and sends what it lets through.
-    fn ask_gate(&mut self, now: Now, may_send: bool, out: &mut Outbox) {
+    fn ask_gate(&mut self, now: Now, send: Send, out: &mut Outbox) {
         let inputs = self.inputs(now);
         let before = (self.verdict.name(), self.verdict.reason());
         self.verdict = self.gate.tick(&inputs);
-        self.gate_wall_ms = now.wall_ms;
+        (self.gate_ms, self.gate_wall_ms) = (inputs.now_ms.unwrap_or(0), now.wall_ms);
         let after = (self.verdict.name(), self.verdict.reason());
         if before != after {
             let reason = after.1.map_or_else(String::new, |reason| format!(": {}", reason.name()));
@@ -401,7 +441,12 @@ impl<'a> Node<'a> {
         }
         let setpoint = self.verdict.setpoint();
         self.streaming = setpoint.is_some();
-        if let (Some(setpoint), true) = (setpoint, may_send) {
+        let wanted = match send {
+            Send::Any => true,
+            Send::Brakes => before != after || !matches!(self.verdict, Verdict::Stream(_)),
+            Send::News => before != after,
+        };
+        if let (Some(setpoint), true) = (setpoint, wanted) {
             self.setpoint_wall_ms = now.wall_ms;
             self.brain.counters.setpoints += 1;
             self.brain.counters.limited_setpoints += u64::from(setpoint.limited.any());

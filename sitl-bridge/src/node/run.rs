@@ -1,6 +1,6 @@
 //! Sockets around a node: one thread that does everything in turn.
 
-use super::{Counters, Decision, Node, Now, Outbox, Status, StepBegun};
+use super::{Counters, Decision, Node, Now, Order, Outbox, Status, StepBegun};
 use crate::autopilot::{Notice, Stage};
 use crate::connection::{Connection, RECEIVE_LEN, Received, Sent, wait};
 use crate::swarm_link::SwarmSocket;
@@ -8,7 +8,7 @@ use crate::tlog::TlogWriter;
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
-use std::sync::mpsc::Sender;
+use std::sync::mpsc::{Receiver, Sender};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// Most datagrams taken from the autopilot in a turn. What waits longer is in the kernel's
@@ -37,7 +37,7 @@ pub struct Links {
 }
 
 /// What others do to a running node.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Control {
     /// Ends the flight.
     pub stop: Arc<AtomicBool>,
@@ -46,6 +46,8 @@ pub struct Control {
     /// When step 0 begins, Unix time in ms: [`Control::OWN_EPOCH`] the mission's,
     /// [`Control::NO_EPOCH`] never.
     pub epoch_ms: Arc<AtomicI64>,
+    /// What the operator asks for.
+    pub orders: Option<Receiver<Order>>,
 }
 
 impl Control {
@@ -57,7 +59,7 @@ impl Control {
     /// A control that ends with `stop`, by the mission's own epoch.
     #[must_use]
     pub fn new(stop: Arc<AtomicBool>, land: bool) -> Self {
-        Self { stop, land, epoch_ms: Arc::new(AtomicI64::new(Self::OWN_EPOCH)) }
+        Self { stop, land, epoch_ms: Arc::new(AtomicI64::new(Self::OWN_EPOCH)), orders: None }
     }
 }
 
@@ -104,6 +106,7 @@ pub fn run(
     };
     while !control.stop.load(Ordering::Relaxed) {
         turn.take_epoch(node, control);
+        control.orders.iter().flat_map(Receiver::try_iter).for_each(|order| node.obey(order));
         turn.pass(node, &mut links)?;
     }
     node.release(control.land);
@@ -239,10 +242,8 @@ impl Turn<'_> {
     fn look(&mut self, node: &Node<'_>, now: Now) {
         let stage = node.stage();
         let due = now.wall_ms >= self.status_ms;
-        if stage != self.stage || due {
-            if let Some(common_ms) = node.common_ms() {
-                self.report(Report::Clock(common_ms));
-            }
+        if let Some(common_ms) = node.common_ms().filter(|_| stage != self.stage || due) {
+            self.report(Report::Clock(common_ms));
         }
         if stage != self.stage {
             self.stage = stage;

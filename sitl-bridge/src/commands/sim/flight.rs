@@ -90,7 +90,10 @@ pub(super) fn fly(
     }
     let landed = Arc::new(AtomicBool::new(false));
     let epoch_ms = Arc::new(AtomicI64::new(Control::NO_EPOCH));
-    let control = Control { stop: Arc::clone(&landed), land: false, epoch_ms: Arc::clone(&epoch_ms) };
+    let control = || {
+        let (stop, epoch_ms) = (Arc::clone(&landed), Arc::clone(&epoch_ms));
+        Control { stop, land: false, epoch_ms, orders: None }
+    };
     let (reports, received) = channel();
     thread::scope(|scope| {
         let threads: Vec<_> = nodes
@@ -98,8 +101,8 @@ pub(super) fn fly(
             .zip(links.drain(..))
             .enumerate()
             .map(|(id, (node, links))| {
-                let (control, reports) = (&control, reports.clone());
-                scope.spawn(move || run(node, links, control, id, &reports))
+                let (control, reports) = (control(), reports.clone());
+                scope.spawn(move || run(node, links, &control, id, &reports))
             })
             .collect();
         drop(reports);
