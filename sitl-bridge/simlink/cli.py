@@ -35,6 +35,7 @@ PORTS = {"ardupilot": (14_550, 10), "px4": (14_540, 1)}
 def main(arguments: list[str] | None = None) -> int:
     """Runs a fleet until it is stopped; returns the exit status."""
     logging.basicConfig(level=logging.INFO, stream=sys.stderr, format="simlink: %(message)s")
+    logging.getLogger("pymavlink").setLevel(logging.WARNING)  # it tells of every refused signature
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     arguments = sys.argv[1:] if arguments is None else arguments
     try:

@@ -18,7 +18,7 @@ const HEAD: &str = "\
 /// Each UAV prefers one direction, so that the edges and the speed cap come into play.
 fn action(uav: usize, step: u32) -> Action {
     let draw = action_draw(10, uav as u16, step);
-    let index = if draw % 4 == 0 { draw / 4 % ACTIONS as u32 } else { uav as u32 + 2 };
+    let index = if draw.is_multiple_of(4) { draw / 4 % ACTIONS as u32 } else { uav as u32 + 2 };
     Action::new(index as u8).expect("less than ACTIONS")
 }
 

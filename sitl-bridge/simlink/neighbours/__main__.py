@@ -19,6 +19,7 @@ _TURN_S = 0.25
 def main(arguments: list[str] | None = None) -> int:
     """Listens or plays until its time is over; returns the exit status."""
     logging.basicConfig(level=logging.INFO, stream=sys.stderr, format="neighbours: %(message)s")
+    logging.getLogger("pymavlink").setLevel(logging.WARNING)  # it tells of every refused signature
     options = _parser().parse_args(arguments)
     try:
         key = read_key(options.key_file) if options.key_file else None

@@ -290,3 +290,4 @@ class Link(unittest.TestCase):
         self.assertEqual((listener.returncode, report["sound"]), (0, True), report)
         self.assertEqual(report["senders"]["1"]["beacons"], 3)
         self.assertNotIn(KEY.hex(), out + err)
+        self.assertEqual(err, "", "it says nothing more")
