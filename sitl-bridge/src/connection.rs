@@ -24,7 +24,7 @@ use stream::StreamLink;
 use udp::UdpLink;
 
 /// A receive buffer of this length holds every datagram that a MAVLink sender makes, bytes.
-pub const RECEIVE_LEN: usize = 4096;
+pub const RECEIVE_LEN: usize = 2048;
 
 /// An open link.
 #[derive(Debug)]
