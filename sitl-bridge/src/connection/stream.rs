@@ -2,7 +2,9 @@
 
 use super::{OpenError, Peer, Received, Sent, Watch, resolve};
 use rustix::fs::{Mode, OFlags};
-use rustix::termios::{ControlModes, InputModes, OptionalActions, SpecialCodeIndex, tcgetattr, tcsetattr};
+use rustix::termios::{
+    ControlModes, InputModes, OptionalActions, SpecialCodeIndex, ioctl_tiocexcl, tcgetattr, tcsetattr,
+};
 use socket2::{Domain, Protocol, Socket, Type};
 use std::fs::File;
 use std::io::{self, ErrorKind, Read as _, Write as _};
@@ -13,6 +15,9 @@ use std::time::{Duration, Instant};
 
 /// How long after a failure the next try comes.
 const RETRY: Duration = Duration::from_secs(1);
+
+/// A TCP peer that acknowledges nothing for so long is gone.
+const GONE: Duration = Duration::from_secs(5);
 
 /// A stream and the way to get it back.
 #[derive(Debug)]
@@ -186,9 +191,9 @@ impl StreamLink {
             },
             (State::Down { .. }, Dialer::Listener { listener, .. }) => match listener.accept() {
                 Ok((stream, _)) => {
-                    stream.set_nonblocking(true)?;
-                    stream.set_nodelay(true)?;
-                    Line::Tcp(stream)
+                    let socket = Socket::from(stream);
+                    prepare(&socket)?;
+                    Line::Tcp(socket.into())
                 }
                 Err(error) if is_nothing(&error) => return Ok(false),
                 Err(error) => return Err(error),
@@ -232,12 +237,19 @@ impl StreamLink {
 /// Begins a connection.
 fn dial(to: SocketAddr) -> io::Result<TcpStream> {
     let socket = Socket::new(Domain::for_address(to), Type::STREAM, Some(Protocol::TCP))?;
-    socket.set_nonblocking(true)?;
-    socket.set_tcp_nodelay(true)?;
+    prepare(&socket)?;
     match socket.connect(&to.into()) {
         Err(error) if error.raw_os_error() != Some(rustix::io::Errno::INPROGRESS.raw_os_error()) => Err(error),
         _ => Ok(socket.into()),
     }
+}
+
+/// Nothing waits: neither calls, nor frames for others to go along, nor we for a computer that
+/// is gone.
+fn prepare(socket: &Socket) -> io::Result<()> {
+    socket.set_nonblocking(true)?;
+    socket.set_tcp_nodelay(true)?;
+    socket.set_tcp_user_timeout(Some(GONE))
 }
 
 /// Whether a connection has come about.
@@ -257,6 +269,8 @@ fn open_serial(path: &Path, baud: u32) -> io::Result<File> {
     let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
     let line = rustix::fs::open(path, flags, Mode::empty())?;
     let mut modes = tcgetattr(&line)?;
+    // Two programs on one line would each get half of every frame.
+    ioctl_tiocexcl(&line)?;
     modes.make_raw();
     modes.input_modes -= InputModes::IXON | InputModes::IXOFF | InputModes::IXANY;
     modes.control_modes |= ControlModes::CLOCAL | ControlModes::CREAD;

@@ -21,7 +21,8 @@ pub enum Source {
 /// Finds the frames in what one link receives.
 ///
 /// Push what arrived, then take frames until there are none. On datagram links, one reader
-/// serves all senders.
+/// serves all senders. In a stream, a length that was damaged can keep the frames behind it
+/// waiting until as many bytes have come, 280 at most.
 #[derive(Clone, Debug)]
 pub struct Reader {
     source: Source,

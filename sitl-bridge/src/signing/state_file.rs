@@ -18,6 +18,8 @@ use thiserror::Error;
 const BLOCK: Duration = Duration::from_secs(60);
 /// The next block is reserved when less than this is left.
 const MARGIN: Duration = Duration::from_secs(30);
+/// After a failure it is tried again after this.
+const RETRY: Duration = Duration::from_secs(5);
 /// The first line; times follow in units of 10 µs since 2015.
 const HEAD: &str = "covey signing state 1";
 /// The last line: a file without it was cut.
@@ -61,6 +63,8 @@ pub struct StateFile {
     _lock: File,
     shared: Arc<Mutex<Shared>>,
     writer: Option<JoinHandle<()>>,
+    /// When a block was last written, or tried to be.
+    tried: Timestamp,
 }
 
 /// The newest timestamp of each (system, component, link id) that was believed.
@@ -105,7 +109,7 @@ impl StateFile {
             Err(source) => return Err(StateFileError::Read { path: path.into(), source }),
         };
         let shared = Arc::new(Mutex::new(Shared { saved, error: None }));
-        Ok(Self { path: path.into(), _lock: lock, shared, writer: None })
+        Ok(Self { path: path.into(), _lock: lock, shared, writer: None, tried: Timestamp::default() })
     }
 
     /// Timestamps up to here may have been issued before.
@@ -139,11 +143,13 @@ impl StateFile {
     /// Reserves the next block in the background when `issued` comes near the end of this one.
     ///
     /// A disk that fails in flight does not stop the flight: it is remembered as an error, and
-    /// tried again with the next timestamp.
+    /// tried again after a while.
     pub(super) fn keep_ahead_of(&mut self, time: Timestamp, issued: Timestamp, streams: &Streams) {
-        if self.reserved() >= issued.after(MARGIN) || self.writer.as_ref().is_some_and(|w| !w.is_finished()) {
+        let enough = self.reserved() >= issued.after(MARGIN);
+        if enough || time < self.tried.after(RETRY) || self.writer.as_ref().is_some_and(|w| !w.is_finished()) {
             return;
         }
+        self.tried = time;
         let (path, shared) = (self.path.clone(), Arc::clone(&self.shared));
         let saved = Saved { time, reserved: issued.after(BLOCK), streams: streams.clone() };
         let job = move || {

@@ -1,5 +1,6 @@
 use super::{frame, position, read};
 use mavlink::dialects::common::{MavMessage, RADIO_STATUS_DATA};
+use proptest::prelude::*;
 use sitl_bridge::frame::{Encoder, Frame, Rejected, Version};
 use sitl_bridge::signing::{Key, LinkSigning, Session, SigningError, Timestamp, Unsigned};
 use std::time::Duration;
@@ -224,4 +225,33 @@ fn timestamps_are_units_of_10_us_since_2015() {
     assert!(Timestamp::now() > Timestamp::from_unix_us(1_700_000_000_000_000));
     assert_eq!(at(10).since(at(4)), Duration::from_secs(6));
     assert_eq!(at(4).since(at(10)), Duration::ZERO);
+}
+
+proptest! {
+    /// Whatever a sender's clock does and whomever it hears, its timestamps go up, and a
+    /// receiver that has heard it believes all of them.
+    #[test]
+    fn timestamps_only_go_up(
+        told in prop::collection::vec((0u64..1 << 49, prop::option::of(0u64..1 << 48)), 1..50),
+    ) {
+        let ours = link(1, 0);
+        let (mut sender, mut receiver) = (Session::new(), Session::new());
+        let mut last = None;
+        for (now, heard) in told {
+            let now = Timestamp::from_ticks(now);
+            if let Some(heard) = heard {
+                // Believed or not.
+                let _ = sender.check(&ours, &signed(&ours, Timestamp::from_ticks(heard)), now);
+            }
+            let sealed = sender.seal(&ours, frame(1), now).unwrap();
+            let timestamp = sealed.signature().unwrap().timestamp;
+            // Until the 48 bits are used up, in 2104.
+            if timestamp.ticks() == (1 << 48) - 1 {
+                break;
+            }
+            prop_assert!(Some(timestamp) > last);
+            prop_assert_eq!(receiver.check(&ours, &sealed, Timestamp::default()), Ok(()));
+            last = Some(timestamp);
+        }
+    }
 }
