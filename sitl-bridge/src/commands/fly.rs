@@ -65,6 +65,7 @@ impl Fly {
     /// # Errors
     /// A file cannot be used or a link not be opened; the actor does not pass its self-test.
     pub fn run(self) -> Result<()> {
+        let stop = stop_flag()?;
         let (bytes, name) = self.actor.read().into_diagnostic()?;
         let actor = flight_ready(&bytes, &name).into_diagnostic()?;
         let mission = Arc::new(Mission::read(&self.mission).into_diagnostic()?);
@@ -97,7 +98,7 @@ impl Fly {
             mission,
         };
         let mut node = Node::new(settings, self.signing.session(None)?).into_diagnostic()?;
-        let mut control = Control::new(stop_flag()?, self.land_on_exit);
+        let mut control = Control::new(stop, self.land_on_exit);
         let console = Console::default();
         control.orders = Some(console.listener());
         console.listen();

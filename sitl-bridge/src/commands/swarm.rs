@@ -16,6 +16,7 @@ use miette::{IntoDiagnostic as _, Result, WrapErr as _, miette};
 use std::net::Ipv4Addr;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::channel;
 use std::thread;
 
@@ -125,15 +126,16 @@ impl Swarm {
     /// A file cannot be used or a link not be opened; the actor does not pass its self-test;
     /// the simulation fails.
     pub fn run(self) -> Result<()> {
+        let stop = stop_flag()?;
         let (bytes, name) = self.actor.read().into_diagnostic()?;
         let actor = flight_ready(&bytes, &name).into_diagnostic()?;
         if let Some(folder) = &self.tlogs {
             std::fs::create_dir_all(folder).into_diagnostic().wrap_err("the recordings have no folder")?;
         }
-        if self.sim { self.simulate(actor) } else { self.fly(actor) }
+        if self.sim { self.simulate(actor, &stop) } else { self.fly(actor, &stop) }
     }
 
-    fn simulate(self, actor: Actor<'_>) -> Result<()> {
+    fn simulate(self, actor: Actor<'_>, stop: &Arc<AtomicBool>) -> Result<()> {
         let args = self.simulated;
         let scenario =
             Scenario { uavs: usize::from(self.count), pois: args.pois, steps: args.steps, ..Scenario::default() };
@@ -141,27 +143,25 @@ impl Swarm {
         if args.speed.is_some_and(|speed| !(0.1..=1000.0).contains(&speed)) {
             return Err(miette!("--speed: use 0.1 to 1000"));
         }
+        let timing = self.timing.timing(firmware_core::neighbour_table::DEFAULT_STEP_MS)?;
         let simulation = Simulation {
-            actor,
-            scenario,
             seed: args.seed,
             mode: if args.argmax { Mode::Argmax } else { Mode::Sample },
             ideal: args.ideal,
             px4: args.px4,
             speed: args.speed,
-            timing: self.timing.timing(firmware_core::neighbour_table::DEFAULT_STEP_MS)?,
+            timing,
             rate_hz: self.timing.rate_hz(),
             python: find_python(args.python.as_deref()),
             signing: self.signing.links()?,
             key_file: self.signing.key_file().map(Into::into),
             fleet: args.fleet.unwrap_or_default(),
-            sequence: None,
             tlogs: self.tlogs,
             verbose: self.verbose,
+            ..Simulation::new(actor, scenario)
         };
-        let stop = stop_flag()?;
         let json = self.json;
-        let summary = simulation.run(args.worlds, &stop, |index, flight| {
+        let summary = simulation.run(args.worlds, stop, |index, flight| {
             eprintln!("{}", line(index, flight));
             if let (Some(difference), true) = (&flight.first_difference, self.verbose || args.ideal) {
                 eprintln!("  the first other decision: {difference}");
@@ -176,7 +176,7 @@ impl Swarm {
         Ok(())
     }
 
-    fn fly(self, actor: Actor<'_>) -> Result<()> {
+    fn fly(self, actor: Actor<'_>, stop: &Arc<AtomicBool>) -> Result<()> {
         let Some(path) = &self.real.mission else { return Err(miette!("--mission is missing")) };
         let mission = Arc::new(Mission::read(path).into_diagnostic()?);
         let pois = Arc::new(PoiMap::new(&mission.pois));
@@ -205,7 +205,6 @@ impl Swarm {
             eprintln!("UAV {id}: {}", links.autopilot.describe());
             crew.push((Node::new(settings, self.signing.session(Some(id))?).into_diagnostic()?, links));
         }
-        let stop = stop_flag()?;
         let console = Console::default();
         let (reports, received) = channel();
         let mut counters = Counters::default();
@@ -214,7 +213,7 @@ impl Swarm {
                 .drain(..)
                 .enumerate()
                 .map(|(i, (mut node, links))| {
-                    let mut control = Control::new(Arc::clone(&stop), self.real.land_on_exit);
+                    let mut control = Control::new(Arc::clone(stop), self.real.land_on_exit);
                     control.orders = Some(console.listener());
                     let reports = reports.clone();
                     scope.spawn(move || run(&mut node, links, &control, i, &reports))

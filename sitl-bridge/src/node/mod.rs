@@ -27,10 +27,14 @@ use plan::thousandths;
 
 /// Between two heartbeats of the node, ms.
 const HEARTBEAT_MS: i64 = 1000;
-/// Without positions the gate is asked this often, ms of the vehicle's clock …
+/// Without positions the gate is asked this often, ms: by the vehicle's clock, and in real time by
+/// the host's.
 const GATE_MS: u32 = 200;
-/// … and of the host's.
-const GATE_WALL_MS: u64 = 100;
+/// The first time it is asked later: a position of the same tick may be on its way behind another
+/// message that moved the clock.
+const GATE_FIRST_MS: u32 = 300;
+/// By the host's clock where the vehicle's may run at any speed, or wait for others, ms.
+const GATE_SIMULATION_MS: u64 = 2000;
 /// … and a setpoint is sent on its own no sooner than this after the last, ms of the host's clock.
 const SETPOINT_MS: u64 = 200;
 /// What an estimator or a GPS said counts for this long, ms of the vehicle's clock.
@@ -160,6 +164,8 @@ pub struct Node<'a> {
     /// When the gate was last asked, by the vehicle's and by the host's clock.
     gate_ms: u32,
     gate_wall_ms: u64,
+    /// It was asked without a new position.
+    overdue: bool,
     setpoint_wall_ms: u64,
     streaming: bool,
     /// Host's clock at the first turn and when the autopilot was last heard.
@@ -202,6 +208,7 @@ impl<'a> Node<'a> {
             beat_ms: i64::MIN / 2,
             gate_ms: 0,
             gate_wall_ms: 0,
+            overdue: false,
             setpoint_wall_ms: 0,
             streaming: false,
             born_wall_ms: None,
@@ -344,13 +351,7 @@ impl<'a> Node<'a> {
     pub fn tick(&mut self, now: Now, out: &mut Outbox) {
         self.pass_time(now);
         self.tell_silence(now, out);
-        // When positions cease the gate is asked all the same.
-        let clock_ms = self.autopilot.vehicle.now_ms().wrapping_sub(self.gate_ms);
-        if clock_ms >= GATE_MS || now.wall_ms.saturating_sub(self.gate_wall_ms) >= GATE_WALL_MS {
-            let since = now.wall_ms.saturating_sub(self.setpoint_wall_ms);
-            let send = if since >= SETPOINT_MS { Send::Brakes } else { Send::News };
-            self.ask_gate(now, send, out);
-        }
+        self.ask_overdue(now, out);
         self.lead(out, now);
     }
 
@@ -372,6 +373,20 @@ impl<'a> Node<'a> {
             swarm_ms: age(self.swarm_heard.map(|(_, wall_ms)| wall_ms)),
             neighbours: self.brain.neighbours(),
             battery: vehicle.battery,
+        }
+    }
+
+    /// When positions cease the gate is asked all the same.
+    fn ask_overdue(&mut self, now: Now, out: &mut Outbox) {
+        let patience_ms = if self.overdue { GATE_MS } else { GATE_FIRST_MS };
+        let patience_wall_ms = if self.gate.limits().real_time { u64::from(patience_ms) } else { GATE_SIMULATION_MS };
+        let clock_ms = self.autopilot.vehicle.now_ms().wrapping_sub(self.gate_ms);
+        let wall_ms = now.wall_ms.saturating_sub(self.gate_wall_ms);
+        if clock_ms >= patience_ms || wall_ms >= patience_wall_ms {
+            let since_ms = now.wall_ms.saturating_sub(self.setpoint_wall_ms);
+            let send = if since_ms >= SETPOINT_MS { Send::Brakes } else { Send::News };
+            self.ask_gate(now, send, out);
+            self.overdue = true;
         }
     }
 
@@ -422,6 +437,7 @@ impl<'a> Node<'a> {
             self.start();
         }
         self.ask_gate(now, Send::Any, out);
+        self.overdue = false;
     }
 
     /// Asks the gate, and sends what it lets through.

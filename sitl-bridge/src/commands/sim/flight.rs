@@ -8,6 +8,7 @@ use crate::connection::{Address, Connection};
 use crate::mission::{Mission, PoiMap};
 use crate::node::run::{Control, Links, Report, run};
 use crate::node::{Counters, Decision, FeedForward, Node, Settings, StepBegun, gate_limits};
+use crate::signing::Session;
 use crate::swarm_link::{SwarmAddress, SwarmSocket, system_of};
 use crate::tlog::TlogWriter;
 use covey_env::{EpisodeMetrics, World};
@@ -82,7 +83,7 @@ pub(super) fn fly(
     let pois = Arc::new(PoiMap::new(&mission.pois));
     let mut nodes = Vec::with_capacity(uavs);
     for (id, link) in links.iter().enumerate() {
-        let mut node = Node::new(settings(sim, id as u16, &mission, &pois, link), sim.session())?;
+        let mut node = Node::new(settings(sim, id as u16, &mission, &pois, link), Session::new())?;
         if let Some(sequence) = sim.sequence {
             node.set_sequence(sequence);
         }

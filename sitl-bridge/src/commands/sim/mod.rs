@@ -11,7 +11,7 @@ pub use flight::WorldFlight;
 use crate::connection::OpenError;
 use crate::mission::{Layers, Mission, Origin, OriginError, square_fence};
 use crate::node::{SettingsError, Timing};
-use crate::signing::{LinkSigning, Session};
+use crate::signing::LinkSigning;
 use crate::summary::Summary;
 use covey_env::{Scenario, ScenarioError, World};
 use firmware_core::actor::{Actor, Mode};
@@ -113,7 +113,31 @@ pub struct Simulation<'a> {
     pub verbose: bool,
 }
 
-impl Simulation<'_> {
+impl<'a> Simulation<'a> {
+    /// Worlds of seed 777 of this scenario, flown by simulated ArduPilots in lock-step, as trained:
+    /// with drawn actions, unsigned. `actor` must have passed its self-test.
+    #[must_use]
+    pub fn new(actor: Actor<'a>, scenario: Scenario) -> Self {
+        Self {
+            actor,
+            scenario,
+            seed: 777,
+            mode: Mode::Sample,
+            ideal: false,
+            px4: false,
+            speed: None,
+            timing: Timing::default(),
+            rate_hz: 5,
+            python: find_python(None),
+            signing: (LinkSigning::off(), LinkSigning::off()),
+            key_file: None,
+            fleet: serde_json::Map::new(),
+            sequence: None,
+            tlogs: None,
+            verbose: false,
+        }
+    }
+
     /// Flies worlds 0 to `worlds` − 1 one after the other and hands each to `done`. `stop` ends
     /// it early.
     ///
@@ -158,10 +182,6 @@ impl Simulation<'_> {
             mission.fence = square_fence(mission.side_u, IDEAL_MARGIN_U);
         }
         Ok(mission)
-    }
-
-    fn session(&self) -> Session {
-        Session::new()
     }
 }
 
