@@ -3,6 +3,7 @@
 mod common;
 
 use common::{assert_same, refuse, results, resume, succeed, train, trainer};
+use covey_env::radio::LinkSettings;
 use serde_json::Value;
 use std::fs;
 
@@ -63,6 +64,16 @@ fn links_that_cannot_be_are_refused() {
         assert!(done.out.is_empty(), "{flags:?}: {}", done.out);
     }
     refuse(trainer().args(["experiment", "link", "--worlds", "1"]), &["--worlds 1", "at least 2"]);
+}
+
+/// In a file the settings are a table; what it leaves out is as in the perfect link.
+#[test]
+fn a_link_is_a_table_in_toml() {
+    let read = |text: &str| toml::from_str::<LinkSettings>(text).map_err(|e| e.to_string());
+    let link = read("loss = 0.1\nburst = 3\ndelay_ms = 2000\n").expect("a link");
+    assert_eq!(link.to_string(), "loss=0.1,burst=3,delay_ms=2000");
+    assert_eq!(read("").expect("a link"), LinkSettings::default());
+    assert!(read("los = 0.1").expect_err("no such setting").contains("unknown field `los`"));
 }
 
 /// Page and picture, the same from any number of threads.

@@ -99,6 +99,17 @@ impl Ord for Flight {
 /// It has no clock and no socket: whoever uses it says what time it is, in ms of any clock that
 /// does not wrap. A node hears in the order in which datagrams arrive; those that arrive in the
 /// same millisecond by their sender, then as they were sent. Once warm, nothing is allocated.
+///
+/// ```
+/// use covey_env::radio::Radio;
+///
+/// let link = "loss=0.1,burst=3,delay_ms=40,jitter_ms=20".parse()?;
+/// let mut radio = Radio::new(&link, 20, 7)?; // 20 nodes, seed 7
+/// radio.broadcast(1_000, 3, b"from node 3 at 1,000 ms");
+/// let heard = (0..20).filter(|&node| radio.poll(1_060, node).is_some()).count() as u64;
+/// assert_eq!(heard + radio.counts().lost, 19);
+/// # Ok::<(), covey_env::radio::LinkError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Radio {
     settings: LinkSettings,
