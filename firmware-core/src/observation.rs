@@ -6,7 +6,7 @@
 //! | 2, 3 | own velocity | v / 4 u/step |
 //! | 4 | own tie-breaker of the step | t / 127 |
 //! | 5 | neighbours in range | n / 16 |
-//! | 6 | free PoIs in view: those that no neighbour covers | n / 48 |
+//! | 6 | free PoIs in view: those that no neighbour which goes first covers | n / 48 |
 //! | 7, 8 | mean offset of the free PoIs in view | Δ / 13 u |
 //! | 9, 10 | push away from neighbours: −Σ Δ·(1 − d²/18²) | / 18 u |
 //! | 11 | free PoIs in coverage range | n / 24 |
@@ -18,7 +18,7 @@
 //! | … + 5 | who yields: +1 when this UAV goes first, −1 when the neighbour does | ±1 |
 //! | 64 + 4 k | k-th nearest PoI in view: present | 1 |
 //! | … + 1, 2 | its offset | Δ / 13 u |
-//! | … + 3 | covered by a neighbour | 0 or 1 |
+//! | … + 3 | covered by a neighbour that goes first | 0 or 1 |
 //!
 //! Each number is stored as `round(127 · value)` clamped to ±127; absent
 //! neighbours and PoIs are zeros. Directions are those of the action table. This form has the id [`ID`], which the actor file
@@ -125,6 +125,14 @@ pub struct Scene<'a> {
     pub neighbours: &'a Neighbours,
 }
 
+impl Scene<'_> {
+    /// Whether this UAV goes before a neighbour: by the higher tie-breaker, and by the
+    /// higher id where those are equal.
+    fn goes_before(&self, n: &Neighbour) -> bool {
+        (self.tie, self.id) > (n.tie, n.id)
+    }
+}
+
 /// Builds the observation of a scene with the PoIs at `pois` (positions, ticks;
 /// those out of view are left out, their order does not matter).
 #[must_use]
@@ -158,7 +166,7 @@ pub fn observe(scene: &Scene<'_>, pois: impl IntoIterator<Item = Vec2>) -> Obser
     }
     let (near, far) = rest.split_at_mut(SEEN_NEIGHBOURS * PER_NEIGHBOUR);
     for (slot, n) in near.chunks_exact_mut(PER_NEIGHBOUR).zip(neighbours) {
-        let first = (scene.tie, scene.id) > (n.tie, n.id);
+        let first = scene.goes_before(n);
         slot.copy_from_slice(&[
             127,
             ratio::<RANGE>(n.offset.x),
@@ -218,10 +226,12 @@ struct Seen {
 
 fn look(scene: &Scene<'_>, pois: impl IntoIterator<Item = Vec2>) -> Seen {
     let mut seen = Seen { nearest: Vec::new(), free: Free::default() };
+    let seniors: Vec<Vec2, MAX_NEIGHBOURS> =
+        scene.neighbours.as_slice().iter().filter(|n| !scene.goes_before(n)).map(|n| n.offset).collect();
     for p in pois {
         let offset = p - scene.own.position;
         let Some(d2) = offset.within(VIEW) else { continue };
-        let claimed = is_claimed(offset, scene.neighbours.as_slice());
+        let claimed = is_claimed(offset, &seniors);
         if !claimed {
             seen.free.add(offset);
         }
@@ -232,12 +242,13 @@ fn look(scene: &Scene<'_>, pois: impl IntoIterator<Item = Vec2>) -> Seen {
 
 const COVER: i32 = COVERAGE_RANGE_U * TICKS_PER_U;
 
-/// Whether a neighbour covers the PoI at this offset, which lies within the view.
-fn is_claimed(poi: Vec2, neighbours: &[Neighbour]) -> bool {
-    neighbours.iter().any(|n| {
+/// Whether a UAV at one of these offsets covers the PoI at this offset, which lies within
+/// the view.
+fn is_claimed(poi: Vec2, seniors: &[Vec2]) -> bool {
+    seniors.iter().any(|n| {
         // On each axis at most (13 + 18)·1,024 = 31,744 ticks, so the sum of squares
         // stays below 2³¹.
-        let (x, y) = (poi.x - n.offset.x, poi.y - n.offset.y);
+        let (x, y) = (poi.x - n.x, poi.y - n.y);
         x * x + y * y <= COVER * COVER
     })
 }
@@ -295,11 +306,13 @@ mod tests {
         let d2 = |v: Vec2| i64::from(v.x).pow(2) + i64::from(v.y).pow(2);
         let u = |n: i32| i64::from(n) * i64::from(TICKS_PER_U);
         let neighbours = scene.neighbours.as_slice();
+        let first = |n: &Neighbour| scene.tie > n.tie || scene.tie == n.tie && scene.id > n.id;
+        let seniors: List<&Neighbour> = neighbours.iter().filter(|n| !first(n)).collect();
         let mut seen: List<(i64, Vec2, bool)> = pois
             .iter()
             .map(|&p| p - scene.own.position)
             .filter(|&o| d2(o) <= u(13).pow(2))
-            .map(|o| (d2(o), o, neighbours.iter().any(|n| d2(o - n.offset) <= u(10).pow(2))))
+            .map(|o| (d2(o), o, seniors.iter().any(|n| d2(o - n.offset) <= u(10).pow(2))))
             .collect();
         seen.sort();
         let free: List<Vec2> = seen.iter().filter(|p| !p.2).map(|p| p.1).collect();
@@ -347,10 +360,9 @@ mod tests {
         let spots = [Vec2::default()].into_iter().chain(along(4096)).chain(along(8192));
         out.extend(spots.map(|s| scaled(free.iter().filter(|&&o| d2(o - s) <= u(10).pow(2)).count() as i64, 24)));
         for n in neighbours.iter().take(6) {
-            let first = scene.tie > n.tie || scene.tie == n.tie && scene.id > n.id;
             let (o, v) = (n.offset, n.velocity);
             out.extend([127, scaled(o.x.into(), u(18)), scaled(o.y.into(), u(18))]);
-            out.extend([scaled(v.x.into(), u(4)), scaled(v.y.into(), u(4)), if first { 127 } else { -127 }]);
+            out.extend([scaled(v.x.into(), u(4)), scaled(v.y.into(), u(4)), if first(n) { 127 } else { -127 }]);
         }
         out.resize(64, 0);
         for &(_, o, claimed) in seen.iter().take(24) {

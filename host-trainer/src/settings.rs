@@ -215,6 +215,12 @@ settings! {
     /// Share of a UAV's training reward that is replaced by the mean over all UAVs. The
     /// reported reward stays the scenario's.
     team_share: f64 = 0.0, "0 to 1", |v| (0.0..=1.0).contains(v);
+    /// Weight of the planner's advice at the start: how strongly the policy is pulled towards
+    /// the action that the planner would take in its place (cross-entropy). It falls linearly
+    /// to 0; 0 learns without advice.
+    teacher: f64 = 0.0, "0 to 100", |v| (0.0..=100.0).contains(v);
+    /// Episodes until the advice ends.
+    teacher_episodes: u32 = 640, "1 to 100000000", |v| (1..=100_000_000).contains(v);
     /// Share of the averaged weights kept at each update; the exported actor is this running
     /// average of the trained one. 0 exports the last weights.
     averaging: f64 = 0.95, "0 to 0.9999", |v| (0.0..=0.9999).contains(v);
@@ -308,6 +314,13 @@ fn unknown(key: &str) -> SettingsError {
 }
 
 impl Settings {
+    /// Weight of the planner's advice in update `number` of the run, counted from 0.
+    #[must_use]
+    pub fn teacher_at(&self, number: u64) -> f64 {
+        let updates = f64::from(self.teacher_episodes) / f64::from(self.worlds) * f64::from(self.steps / self.segment);
+        self.teacher * (1.0 - number as f64 / updates).max(0.0)
+    }
+
     /// Reads a TOML text over these settings.
     ///
     /// # Errors

@@ -17,6 +17,8 @@ pub struct Loss {
     pub entropy: f32,
     /// Error at which the value loss turns linear.
     pub huber: f32,
+    /// Weight of the cross-entropy with the advised action.
+    pub teacher: f32,
     /// Samples in the whole minibatch: the loss is their mean.
     pub samples: f32,
 }
@@ -26,6 +28,8 @@ pub struct Loss {
 pub struct Sample {
     /// Action taken.
     pub action: u8,
+    /// Action that was advised; it counts with [`Loss::teacher`].
+    pub advice: u8,
     /// Its log-probability when it was taken.
     pub log_probability: f32,
     /// Normalised advantage.
@@ -109,9 +113,10 @@ impl Loss {
         let scale = self.samples.recip();
         let mut by_logits = p;
         for (g, l) in by_logits.iter_mut().zip(&log_p) {
-            *g *= scale * (self.entropy * (l + entropy) - pull);
+            *g *= scale * (self.entropy * (l + entropy) - pull + self.teacher);
         }
         by_logits[a] += scale * pull;
+        by_logits[usize::from(s.advice)] -= scale * self.teacher;
         let error = value - s.target;
         let value_loss =
             if error.abs() <= self.huber { 0.5 * error * error } else { self.huber * (error.abs() - 0.5 * self.huber) };
@@ -137,21 +142,22 @@ mod tests {
         #[test]
         fn gradient_is_the_slope(
             logits in proptest::array::uniform17(-3.0f32..3.0),
-            action in 0u8..17, advantage in -2.0f32..2.0, shift in -0.5f32..0.5,
+            (action, advice) in (0u8..17, 0u8..17), advantage in -2.0f32..2.0, shift in -0.5f32..0.5,
             value in -3.0f32..3.0, target in -3.0f32..3.0,
         ) {
-            let loss = Loss { clip: 0.2, entropy: 0.01, huber: 1.0, samples: 1.0 };
+            let loss = Loss { clip: 0.2, entropy: 0.01, huber: 1.0, teacher: 0.3, samples: 1.0 };
             let padded = |logits: &[f32; 17]| {
                 let mut row = [0.0; WIDTH];
                 row[..17].copy_from_slice(logits);
                 row
             };
             let log_probability = distribution(&padded(&logits)).0[usize::from(action)] + shift;
-            let s = Sample { action, log_probability, advantage, target };
+            let s = Sample { action, advice, log_probability, advantage, target };
             let total = |l: &[f32; 17], v: f32| {
                 let mut sums = Sums::default();
                 loss.sample(&padded(l), v, &s, &mut sums);
-                sums.policy_loss - 0.01 * sums.entropy + sums.value_loss
+                let advised = f64::from(distribution(&padded(l)).0[usize::from(advice)]);
+                sums.policy_loss - 0.01 * sums.entropy + sums.value_loss - 0.3 * advised
             };
             // At the edge of the clip range the loss has a corner.
             prop_assume!(((-shift).exp() - 1.2).abs() > 0.02 && ((-shift).exp() - 0.8).abs() > 0.02);

@@ -5,8 +5,9 @@ use super::link::Eyes;
 use super::networks::{Networks, Workspace};
 use super::softmax;
 use crate::settings::Settings;
+use covey_env::baselines::Planner;
 use covey_env::radio::OverLinkError;
-use covey_env::{EpisodeMetrics, Links, World};
+use covey_env::{EpisodeMetrics, Links, Policy, World};
 use covey_net::worlds_in_pass;
 use firmware_core::action::{ACTIONS, Action};
 use firmware_core::observation::{LEN, Observation};
@@ -26,6 +27,9 @@ pub struct Shard {
     pub links: Vec<Links>,
     /// Actions taken.
     pub actions: Vec<Action>,
+    /// Actions that the planner advised, while it is asked.
+    pub advice: Vec<Action>,
+    teachers: Vec<Planner>,
     /// Their log-probabilities.
     pub log_probabilities: Vec<f32>,
     rewards: Vec<f32>,
@@ -59,6 +63,8 @@ impl Shard {
             observations: vec![[0; LEN]; cells + row],
             links: vec![Links::default(); cells + row],
             actions: vec![Action::COAST; cells],
+            advice: vec![Action::COAST; cells],
+            teachers: vec![Planner::new(); count],
             log_probabilities: vec![0.0; cells],
             rewards: vec![0.0; cells],
             values: vec![0.0; cells + row],
@@ -84,6 +90,10 @@ impl Shard {
             world.reset(s.seed, episode);
             self.policy_seeds[k] = policy_seed(s.seed, episode);
             self.eyes[k].begin(s, self.policy_seeds[k]);
+            if s.teacher > 0.0 {
+                self.teachers[k] = Planner::as_teacher(self.policy_seeds[k], s.tie_period);
+                self.teachers[k].begin(world);
+            }
         }
         let at = self.steps * self.row();
         self.observe(at);
@@ -100,7 +110,8 @@ impl Shard {
     }
 
     /// Plays a segment with sampled actions, values it and computes advantages.
-    pub fn play(&mut self, s: &Settings, nets: &Networks, norm: &ValueNorm, work: &mut Workspace) {
+    /// With `advised` the planner is asked too.
+    pub fn play(&mut self, s: &Settings, nets: &Networks, norm: &ValueNorm, advised: bool, work: &mut Workspace) {
         let row = self.row();
         let last = self.steps * row;
         self.observations.copy_within(last.., 0);
@@ -108,6 +119,9 @@ impl Shard {
         for t in 0..=self.steps {
             self.look(t, nets, norm, work);
             if t < self.steps {
+                if advised {
+                    self.ask(t);
+                }
                 self.step(t, s);
                 self.observe((t + 1) * row);
             }
@@ -142,6 +156,14 @@ impl Shard {
                     log_p[k] = l;
                 });
             }
+        }
+    }
+
+    /// Asks the planner what it would do in the state before step `t`.
+    fn ask(&mut self, t: usize) {
+        let (n, row) = (self.uavs, self.row());
+        for (k, (world, teacher)) in self.worlds.iter().zip(&mut self.teachers).enumerate() {
+            teacher.act(world, &mut self.advice[t * row + k * n..t * row + (k + 1) * n]);
         }
     }
 

@@ -236,9 +236,9 @@ impl Trainer {
         let segments = s.steps / s.segment;
         let (mut total, mut explained, mut rate) = (Outcome::default(), 0.0, 0.0);
         for segment in 0..segments {
-            self.play(&s, workers);
-            explained += self.explained_variance() / f64::from(segments);
             let number = u64::from(self.state.rounds) * u64::from(segments) + u64::from(segment);
+            self.play(&s, s.teacher_at(number) > 0.0, workers);
+            explained += self.explained_variance() / f64::from(segments);
             let progress = number as f64 / (f64::from(s.rounds()) * f64::from(segments));
             rate = s.learning_rate * (1.0 - (1.0 - s.learning_rate_end) * progress);
             let outcome = self.learn(&s, workers, number, progress, rate);
@@ -262,7 +262,7 @@ impl Trainer {
                 Stage::Environment => {
                     workers.run(self.shards.iter_mut().collect(), |_, shard| shard.wander(&s));
                 }
-                Stage::Policy | Stage::Update => self.play(&s, workers),
+                Stage::Policy | Stage::Update => self.play(&s, false, workers),
             }
             let played = start.elapsed();
             let start = Instant::now();
@@ -274,11 +274,11 @@ impl Trainer {
         spent
     }
 
-    /// Plays a segment in every world.
-    fn play(&mut self, s: &Settings, workers: &Workers) {
+    /// Plays a segment in every world, with or without the planner's advice.
+    fn play(&mut self, s: &Settings, advised: bool, workers: &Workers) {
         let (nets, norm) = (&self.nets, self.state.norm);
         let items = self.shards.iter_mut().zip(&mut self.work).collect();
-        workers.run(items, |_, (shard, work): (&mut Shard, &mut Workspace)| shard.play(s, nets, &norm, work));
+        workers.run(items, |_, (shard, work): (&mut Shard, &mut Workspace)| shard.play(s, nets, &norm, advised, work));
     }
 
     fn learn(&mut self, s: &Settings, workers: &Workers, number: u64, progress: f64, learning_rate: f64) -> Outcome {
@@ -301,6 +301,7 @@ impl Trainer {
                 clip: s.clip as f32,
                 entropy: (s.entropy + (s.entropy_end - s.entropy) * progress) as f32,
                 huber: s.huber as f32,
+                teacher: s.teacher_at(number) as f32,
                 samples: 1.0,
             },
             shuffle: (s.seed, number),

@@ -38,6 +38,7 @@ impl Segment<'_> {
         let (mean, deviation) = self.advantage;
         Sample {
             action: s.actions[at].index(),
+            advice: s.advice[at].index(),
             log_probability: s.log_probabilities[at],
             advantage: ((f64::from(s.advantages[at]) - mean) / (deviation + 1e-8)) as f32,
             target: self.norm.normalise(s.returns[at]),

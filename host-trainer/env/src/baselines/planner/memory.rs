@@ -109,7 +109,7 @@ impl Mind {
         claims.clear();
         for (id, &Report { step, at, target }) in self.others.iter().enumerate() {
             if id != self.id && step != NEVER {
-                claims.push(Claim { id, at, target, age: f64::from(now - step) });
+                claims.push(Claim { id, at, target, age: f64::from(now - step), junior: false });
             }
         }
     }

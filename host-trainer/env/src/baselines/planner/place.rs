@@ -2,6 +2,7 @@
 
 use super::ground::Ground;
 use super::{distance, squared};
+use core::ops::Range;
 use firmware_core::geometry::{COVERAGE_RANGE_U, OBSERVATION_RANGE_U, SPEED_CAP_U};
 
 const SPEED: f64 = SPEED_CAP_U as f64;
@@ -30,7 +31,7 @@ pub(super) struct Weights {
     pub near_known_scale: f64,
     /// Bonus of places straight ahead.
     pub inertia: f64,
-    /// Weight of the claims of UAVs with a higher id.
+    /// Weight of the claims of UAVs that yield.
     pub junior_claim: f64,
     /// Bonus of the present target.
     pub hysteresis: f64,
@@ -55,6 +56,8 @@ pub(super) struct Claim {
     pub target: (f64, f64),
     /// Steps since it was so.
     pub age: f64,
+    /// Whether the other yields to this UAV.
+    pub junior: bool,
 }
 
 /// All that a choice depends on, besides the seen cells.
@@ -82,6 +85,12 @@ struct Prize {
     taken: f64,
 }
 
+/// An unseen cell.
+struct Unseen {
+    cell: (usize, usize),
+    prize: Prize,
+}
+
 /// The best place to be, u; `None` when none is worth anything.
 pub(super) fn choose(
     brief: &Brief<'_>,
@@ -107,7 +116,7 @@ pub(super) fn choose(
                 let at = ground.centre((a, b));
                 if brief.fade * guess >= 1e-4 {
                     let taken = taken(at, f64::from(OBSERVATION_RANGE_U));
-                    cells.push(Prize { at, weight: brief.fade * guess, taken });
+                    cells.push(Unseen { cell: (a, b), prize: Prize { at, weight: brief.fade * guess, taken } });
                 }
             }
         }
@@ -119,7 +128,7 @@ pub(super) fn choose(
 /// Steps that a claim secures, weighted by its age and its UAV's rank.
 fn secured(claim: &Claim, brief: &Brief<'_>, weights: &Weights) -> f64 {
     let flight = (distance(claim.at, claim.target) / SPEED - claim.age).max(0.0);
-    let rank = if claim.id > brief.id { weights.junior_claim } else { 1.0 };
+    let rank = if claim.junior { weights.junior_claim } else { 1.0 };
     rank * libm::exp(-claim.age / CLAIM_FADES) * (brief.horizon - flight).max(0.0)
 }
 
@@ -129,35 +138,51 @@ fn coarse(
     weights: &Weights,
     ground: &Ground,
     pois: &[Prize],
-    cells: &[Prize],
+    cells: &[Unseen],
 ) -> Option<(f64, f64)> {
     let reach = brief.horizon * SPEED;
     let (columns, rows) = (ground.span(brief.at.0, reach), ground.span(brief.at.1, reach));
-    let mut worth = vec![0.0f64; columns.len() * rows.len()];
-    let mut add = |prize: &Prize, range: f64| {
-        for a in ground.span(prize.at.0, range).filter(|a| columns.contains(a)) {
-            for b in ground.span(prize.at.1, range).filter(|b| rows.contains(b)) {
-                let place = ground.centre((a, b));
-                let left = time_there(brief, place) - prize.taken;
-                if left > 0.0 && squared(place, prize.at) <= range * range {
-                    worth[(a - columns.start) * rows.len() + b - rows.start] += prize.weight * left;
-                }
-            }
-        }
-    };
-    cells.iter().for_each(|c| add(c, EXPLORE_U));
-    pois.iter().for_each(|p| add(p, weights.reach_u));
-    let mut best: Option<(f64, (f64, f64))> = None;
-    for (a, line) in columns.clone().zip(worth.chunks_exact(rows.len().max(1))) {
-        for (b, &worth) in rows.clone().zip(line) {
-            let place = ground.centre((a, b));
-            let worth = worth * ahead(brief, weights, place);
-            if worth > best.map_or(0.0, |b| b.0) {
-                best = Some((worth, place));
+    let places = || columns.clone().flat_map(|a| rows.clone().map(move |b| (a, b)));
+    let time: Vec<f64> = places().map(|c| time_there(brief, ground.centre(c))).collect();
+    let mut worth = vec![0.0f64; time.len()];
+    for cell in cells {
+        // Centres of cells within 11 u of this one's, column by column.
+        for (da, half) in [(-2, 0), (-1, 1), (0, 2), (1, 1), (2, 0)] {
+            let ((a, b), prize) = (cell.cell, &cell.prize);
+            let Some(a) = a.checked_add_signed(da).filter(|a| columns.contains(a)) else { continue };
+            let reached = clip(b.saturating_sub(half)..b + half + 1, &rows);
+            let first = (a - columns.start) * rows.len();
+            let line = first + reached.start - rows.start..first + reached.end - rows.start;
+            for (worth, time) in worth[line.clone()].iter_mut().zip(&time[line]) {
+                *worth += prize.weight * (time - prize.taken).max(0.0);
             }
         }
     }
+    for prize in pois {
+        let range = weights.reach_u;
+        for a in clip(ground.span(prize.at.0, range), &columns) {
+            for b in clip(ground.span(prize.at.1, range), &rows) {
+                let k = (a - columns.start) * rows.len() + b - rows.start;
+                if squared(ground.centre((a, b)), prize.at) <= range * range {
+                    worth[k] += prize.weight * (time[k] - prize.taken).max(0.0);
+                }
+            }
+        }
+    }
+    let mut best: Option<(f64, (f64, f64))> = None;
+    for (cell, &worth) in places().zip(&worth) {
+        let place = ground.centre(cell);
+        let worth = if worth > 0.0 { worth * ahead(brief, weights, place) } else { 0.0 };
+        if worth > best.map_or(0.0, |b| b.0) {
+            best = Some((worth, place));
+        }
+    }
     best.map(|(_, place)| place)
+}
+
+fn clip(a: Range<usize>, b: &Range<usize>) -> Range<usize> {
+    let start = a.start.clamp(b.start, b.end);
+    start..a.end.clamp(start, b.end)
 }
 
 /// Steps that are left after the flight to a place.
@@ -190,7 +215,7 @@ fn refine(
     weights: &Weights,
     ground: &Ground,
     pois: &[Prize],
-    cells: &[Prize],
+    cells: &[Unseen],
     coarse: (f64, f64),
 ) -> (f64, f64) {
     const AROUND: i32 = 3;
@@ -201,25 +226,23 @@ fn refine(
         let Some(middle) = middle else { continue };
         // Only prizes that some point of the grid can win.
         let limit = COVERAGE_U.max(EXPLORE_U) + 1.5 * f64::from(AROUND);
-        let near = |prizes: &[Prize]| -> Vec<(f64, f64, f64, f64)> {
-            let near = prizes.iter().filter(|p| squared(p.at, middle) <= limit * limit);
-            near.map(|p| (p.at.0, p.at.1, p.weight, p.taken)).collect()
-        };
-        let (pois, cells) = (near(pois), near(cells));
+        let near = |p: &&Prize| squared(p.at, middle) <= limit * limit;
+        let pois: Vec<&Prize> = pois.iter().filter(near).collect();
+        let cells: Vec<&Prize> = cells.iter().map(|c| &c.prize).filter(near).collect();
         for dx in -AROUND..=AROUND {
             for dy in -AROUND..=AROUND {
                 let place = (inside(middle.0 + f64::from(dx)), inside(middle.1 + f64::from(dy)));
                 let time = time_there(brief, place);
                 let mut worth = 0.0;
-                for &(x, y, weight, taken) in &pois {
-                    let d2 = squared(place, (x, y));
+                for &&Prize { at, weight, taken } in &pois {
+                    let d2 = squared(place, at);
                     if time > taken && d2 <= COVERAGE_U * COVERAGE_U {
                         let past = ((d2.sqrt() - weights.sure_u) / (COVERAGE_U - weights.sure_u)).max(0.0);
                         worth += weight * (time - taken) * (1.0 - 0.8 * past);
                     }
                 }
-                for &(x, y, weight, taken) in &cells {
-                    if time > taken && squared(place, (x, y)) <= EXPLORE_U * EXPLORE_U {
+                for &&Prize { at, weight, taken } in &cells {
+                    if time > taken && squared(place, at) <= EXPLORE_U * EXPLORE_U {
                         worth += weight * (time - taken);
                     }
                 }
