@@ -141,12 +141,9 @@ impl SwarmLink {
         if ours && self.sent.contains(frame) {
             return Err(Rejected::OwnEcho);
         }
-        let issued = session.last_issued();
         session.check(&self.signing, frame, now)?;
         if ours {
-            // A recording of us is no twin: we have been at that time.
-            let recorded = self.signing.is_on() && frame.signature().is_some_and(|s| s.timestamp <= issued);
-            return Err(if recorded { Rejected::Replayed } else { Rejected::IdCollision });
+            return Err(Rejected::IdCollision);
         }
         let bytes = neighbour_bytes(frame, self.encoder.system())?;
         let message = Message::decode(&bytes).map_err(|error| match error {

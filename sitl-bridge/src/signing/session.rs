@@ -66,7 +66,7 @@ impl LinkSigning {
 /// and with a [`StateFile`] not over a restart either.
 #[derive(Debug, Default)]
 pub struct Session {
-    /// The newest accepted timestamp of each (system, component, link id).
+    /// The newest timestamp of each (system, component, link id), believed or our own.
     streams: Streams,
     /// The last time we were told.
     told: Timestamp,
@@ -111,6 +111,8 @@ impl Session {
             return Err(SigningError::AlreadySigned);
         }
         let timestamp = self.issue(now);
+        // Whoever sends us our own frames back is a replayer too.
+        self.streams.insert((frame.system(), frame.component(), link.link_id), timestamp);
         let sign = |signed: &[u8]| {
             let mut signature = [0; crate::frame::SIGNATURE];
             signature[0] = link.link_id;
@@ -157,13 +159,6 @@ impl Session {
     #[must_use]
     pub fn state_error(&self) -> Option<String> {
         self.state.as_ref().and_then(StateFile::error)
-    }
-
-    /// The last timestamp issued, or, before that, the last that may have been issued by the
-    /// session before.
-    #[must_use]
-    pub const fn last_issued(&self) -> Timestamp {
-        self.issued
     }
 
     /// A timestamp later than all issued before.

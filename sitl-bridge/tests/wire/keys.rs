@@ -189,18 +189,19 @@ fn a_restart_does_not_forget_what_was_heard() {
     let folder = tempfile::tempdir().unwrap();
     let (path, after_crash) = (folder.path().join("state"), folder.path().join("after-crash"));
     let link = LinkSigning::new(Key::new([1; 32]), 1, Unsigned::Refuse);
+    let theirs = LinkSigning::new(Key::new([1; 32]), 2, Unsigned::Refuse);
     let mut sender = Session::new();
-    let heard = sender.seal(&link, frame(1), NOW).unwrap();
+    let heard = sender.seal(&theirs, frame(1), NOW).unwrap();
     let mut session = open(&path, 0).unwrap();
     assert_eq!(session.check(&link, &heard, NOW), Ok(()));
     // The next block is written with it.
     issue(&mut session, 55);
-    while !fs::read_to_string(&path).unwrap().contains("heard 1 1 1 ") {
+    while !fs::read_to_string(&path).unwrap().contains("heard 1 1 2 ") {
         std::thread::yield_now();
     }
     fs::copy(&path, &after_crash).unwrap();
     drop(session);
-    let next = sender.seal(&link, frame(2), NOW).unwrap();
+    let next = sender.seal(&theirs, frame(2), NOW).unwrap();
     for path in [path, after_crash] {
         let mut session = open(&path, 0).unwrap();
         assert_eq!(session.check(&link, &heard, NOW), Err(Rejected::Replayed));

@@ -109,6 +109,19 @@ fn a_replayed_frame_is_refused_on_every_link_of_the_node() {
     }
 }
 
+/// A key that all share is no reason to believe an echo: whoever sends our own frames back to us
+/// must not be taken for an autopilot.
+#[test]
+fn our_own_frames_are_refused_on_every_link() {
+    let (autopilot, swarm) = (link(1, 0), link(1, 1));
+    let mut session = Session::new();
+    let own: Vec<_> = [&autopilot, &swarm, &autopilot].map(|l| session.seal(l, frame(1), NOW).unwrap()).into();
+    for frame in &own {
+        assert_eq!(session.check(&autopilot, frame, NOW), Err(Rejected::Replayed));
+        assert_eq!(session.check(&swarm, frame, NOW), Err(Rejected::Replayed));
+    }
+}
+
 /// The link id is part of what is signed: a recording cannot be moved to another stream.
 #[test]
 fn streams_are_kept_apart_by_system_component_and_link() {
