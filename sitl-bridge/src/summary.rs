@@ -38,6 +38,8 @@ pub struct Summary {
     pub setpoints: u64,
     /// Setpoints that the gate changed.
     pub limited_setpoints: u64,
+    /// … by what it changed.
+    pub limited_by: BTreeMap<&'static str, u64>,
     /// Neighbour messages sent.
     pub messages_sent: u64,
     /// Neighbour messages taken.
@@ -82,6 +84,9 @@ impl Summary {
         self.missed_decisions += counters.missed_decisions;
         self.setpoints += counters.setpoints;
         self.limited_setpoints += counters.limited_setpoints;
+        for (limit, count) in counters.limits() {
+            *self.limited_by.entry(limit).or_default() += count;
+        }
         self.messages_sent += counters.sent;
         self.messages_received += counters.received;
         for (reason, count) in &counters.rejected {

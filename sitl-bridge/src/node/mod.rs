@@ -464,8 +464,7 @@ impl<'a> Node<'a> {
         };
         if let (Some(setpoint), true) = (setpoint, wanted) {
             self.setpoint_wall_ms = now.wall_ms;
-            self.brain.counters.setpoints += 1;
-            self.brain.counters.limited_setpoints += u64::from(setpoint.limited.any());
+            self.brain.counters.setpoint(setpoint.limited);
             self.send(&Outgoing::Setpoint { boot_ms: inputs.now_ms.unwrap_or(0), setpoint }, now, out);
         }
     }

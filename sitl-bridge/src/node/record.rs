@@ -1,5 +1,6 @@
 //! What a node tells about itself: steps, decisions and counts.
 
+use firmware_core::gate::Limited;
 use firmware_core::geometry::State;
 use firmware_core::neighbour_table::Answer;
 use firmware_core::observation::{MAX_NEIGHBOURS, Observation};
@@ -83,6 +84,8 @@ pub struct Counters {
     pub setpoints: u64,
     /// … of them changed by the gate.
     pub limited_setpoints: u64,
+    /// … by what it changed: speed, acceleration, fence, altitude.
+    pub limited: [u64; 4],
     /// Neighbour messages sent.
     pub sent: u64,
     /// Neighbour messages that the table took.
@@ -92,6 +95,20 @@ pub struct Counters {
 }
 
 impl Counters {
+    /// A setpoint was sent.
+    pub(super) fn setpoint(&mut self, limited: Limited) {
+        self.setpoints += 1;
+        self.limited_setpoints += u64::from(limited.any());
+        let kinds = [limited.speed, limited.acceleration, limited.fence, limited.altitude];
+        self.limited.iter_mut().zip(kinds).for_each(|(count, changed)| *count += u64::from(changed));
+    }
+
+    /// What the gate changed, with names.
+    #[must_use]
+    pub fn limits(&self) -> BTreeMap<&'static str, u64> {
+        ["speed", "acceleration", "fence", "altitude"].into_iter().zip(self.limited).collect()
+    }
+
     pub(super) fn answer(&mut self, answer: Answer) {
         if answer.is_taken() {
             self.received += 1;
@@ -106,7 +123,7 @@ impl Counters {
         serde_json::json!({
             "uavs": uavs, "decisions": self.decisions, "late_decisions": self.late_decisions,
             "missed_decisions": self.missed_decisions, "setpoints": self.setpoints,
-            "limited_setpoints": self.limited_setpoints, "messages_sent": self.sent,
+            "limited_setpoints": self.limited_setpoints, "limited_by": self.limits(), "messages_sent": self.sent,
             "messages_received": self.received, "messages_rejected": self.rejected,
         })
     }
@@ -118,6 +135,7 @@ impl Counters {
         self.missed_decisions += other.missed_decisions;
         self.setpoints += other.setpoints;
         self.limited_setpoints += other.limited_setpoints;
+        self.limited.iter_mut().zip(other.limited).for_each(|(sum, count)| *sum += count);
         self.sent += other.sent;
         self.received += other.received;
         for (reason, count) in &other.rejected {
