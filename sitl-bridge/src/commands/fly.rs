@@ -113,9 +113,17 @@ impl Fly {
         let flown = run(&mut node, links, &control, 0, &reports).into_diagnostic();
         drop(reports);
         let _ = printer.join();
-        let then = if self.land_on_exit { "asked to land" } else { "the autopilot holds the place by itself" };
-        eprintln!("stopped: no more setpoints; {then}");
+        eprintln!("stopped: {}", parting(node.is_airborne(), self.land_on_exit));
         flown
+    }
+}
+
+/// What becomes of a vehicle, or several, when the program ends.
+pub(super) const fn parting(airborne: bool, land: bool) -> &'static str {
+    match (airborne, land) {
+        (false, _) => "nothing was in the air",
+        (true, false) => "no more setpoints; the autopilot holds the place by itself",
+        (true, true) => "no more setpoints; the autopilot was asked to land",
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::actor_file::flight_ready;
 use super::common::{ActorArgs, Console, SigningArgs, TimingArgs, stop_flag};
+use super::fly::parting;
 use super::sim::{Simulation, WorldFlight, find_python};
 use crate::connection::{Address, Connection};
 use crate::mission::{Mission, PoiMap};
@@ -16,7 +17,7 @@ use miette::{IntoDiagnostic as _, Result, WrapErr as _, miette};
 use std::net::Ipv4Addr;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::channel;
 use std::thread;
 
@@ -208,6 +209,7 @@ impl Swarm {
         let console = Console::default();
         let (reports, received) = channel();
         let mut counters = Counters::default();
+        let airborne = AtomicBool::new(false);
         let flown: std::io::Result<()> = thread::scope(|scope| {
             let threads: Vec<_> = crew
                 .drain(..)
@@ -216,7 +218,12 @@ impl Swarm {
                     let mut control = Control::new(Arc::clone(stop), self.real.land_on_exit);
                     control.orders = Some(console.listener());
                     let reports = reports.clone();
-                    scope.spawn(move || run(&mut node, links, &control, i, &reports))
+                    let airborne = &airborne;
+                    scope.spawn(move || {
+                        let flown = run(&mut node, links, &control, i, &reports);
+                        airborne.fetch_or(node.is_airborne(), Ordering::Relaxed);
+                        flown
+                    })
                 })
                 .collect();
             drop(reports);
@@ -233,8 +240,7 @@ impl Swarm {
                 .into_iter()
                 .try_for_each(|thread| thread.join().unwrap_or_else(|_| Err(std::io::Error::other("a node panicked"))))
         });
-        let then = if self.real.land_on_exit { "asked to land" } else { "the autopilots hold their places" };
-        eprintln!("stopped: no more setpoints; {then}");
+        eprintln!("stopped: {}", parting(airborne.load(Ordering::Relaxed), self.real.land_on_exit));
         if self.json {
             println!("{}", counters.to_json(self.count));
         }

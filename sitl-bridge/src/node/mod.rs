@@ -278,6 +278,12 @@ impl<'a> Node<'a> {
         self.autopilot.stage()
     }
 
+    /// Whether the vehicle is in the air.
+    #[must_use]
+    pub const fn is_airborne(&self) -> bool {
+        self.autopilot.is_airborne()
+    }
+
     /// The gate's last verdict.
     pub const fn verdict(&self) -> Verdict {
         self.verdict
@@ -443,14 +449,12 @@ impl<'a> Node<'a> {
     /// Asks the gate, and sends what it lets through.
     fn ask_gate(&mut self, now: Now, send: Send, out: &mut Outbox) {
         let inputs = self.inputs(now);
-        let before = (self.verdict.name(), self.verdict.reason());
+        let before = self.verdict;
         self.verdict = self.gate.tick(&inputs);
         (self.gate_ms, self.gate_wall_ms) = (inputs.now_ms.unwrap_or(0), now.wall_ms);
-        let after = (self.verdict.name(), self.verdict.reason());
-        if before != after {
-            let reason = after.1.map_or_else(String::new, |reason| format!(": {}", reason.name()));
-            let warning = matches!(self.verdict, Verdict::Hold(..) | Verdict::Return(_)) && before.0 == "stream";
-            out.notices.push(Notice { warning, text: format!("gate {}{reason}", after.0) });
+        let is_news = before.name() != self.verdict.name() || before.reason() != self.verdict.reason();
+        if is_news {
+            out.notices.push(in_words(before, self.verdict));
         }
         if let Verdict::Return(_) = self.verdict {
             self.autopilot.return_home(self.timebase.now_ms());
@@ -459,8 +463,8 @@ impl<'a> Node<'a> {
         self.streaming = setpoint.is_some();
         let wanted = match send {
             Send::Any => true,
-            Send::Brakes => before != after || !matches!(self.verdict, Verdict::Stream(_)),
-            Send::News => before != after,
+            Send::Brakes => is_news || !matches!(self.verdict, Verdict::Stream(_)),
+            Send::News => is_news,
         };
         if let (Some(setpoint), true) = (setpoint, wanted) {
             self.setpoint_wall_ms = now.wall_ms;
@@ -562,4 +566,17 @@ impl<'a> Node<'a> {
             out.notices.push(Notice::warning(format!("nothing heard for 5 s; {}", self.settings.advice)));
         }
     }
+}
+
+/// What the gate's verdict means for the flight.
+fn in_words(before: Verdict, verdict: Verdict) -> Notice {
+    let flew = matches!(before, Verdict::Stream(_));
+    let (text, warning) = match verdict {
+        Verdict::Silent(reason) => (format!("no setpoints: {}", reason.name()), flew),
+        Verdict::BringUp(_) => ("ready to start".into(), false),
+        Verdict::Stream(_) => ("the actor flies".into(), false),
+        Verdict::Hold(reason, _) => (format!("holding the place: {}", reason.name()), flew),
+        Verdict::Return(reason) => (format!("asking the autopilot to return home: {}", reason.name()), true),
+    };
+    Notice { warning, text }
 }

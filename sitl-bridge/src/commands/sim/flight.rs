@@ -1,18 +1,17 @@
 //! One world: nodes, fleet, the wait for everybody, 100 steps, the account.
 
+use super::account::account;
+use super::director::Director;
 use super::fleet::Fleet;
-use super::trainer::{self, Reviewer, TrainerFlight, covered_share, is_same};
 use super::{SimError, Simulation};
-use crate::autopilot::Stage;
 use crate::connection::{Address, Connection};
 use crate::mission::{Mission, PoiMap};
 use crate::node::run::{Control, Links, Report, run};
-use crate::node::{Counters, Decision, FeedForward, Node, Settings, StepBegun, gate_limits};
+use crate::node::{Counters, Decision, FeedForward, Node, Settings, gate_limits};
 use crate::signing::Session;
 use crate::swarm_link::{SwarmAddress, SwarmSocket, system_of};
 use crate::tlog::TlogWriter;
 use covey_env::{EpisodeMetrics, World};
-use firmware_core::action::Action;
 use firmware_core::gate::Limits;
 use firmware_core::geometry::State;
 use serde_json::{Value, json};
@@ -20,20 +19,13 @@ use std::io;
 use std::net::Ipv4Addr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::mpsc::channel;
 use std::thread;
-use std::time::{Duration, Instant};
 
 /// The fleet's clock begins here, so that every run is the same: 2026-11-22, Unix time in ms.
-const START_UNIX_MS: i64 = 1_795_305_600_000;
+pub(super) const START_UNIX_MS: i64 = 1_795_305_600_000;
 /// The fleet moves at this many times real time until everybody streams.
 const BRING_UP_SPEED: f64 = 40.0;
-/// Everybody is in the air by then, simulated ms.
-const BRING_UP_MS: i64 = 5 * 60_000;
-/// From the moment when all are in the air to step 0, simulated ms.
-const LEAD_MS: i64 = 10_000;
-/// A flight that stands still for so long has failed.
-const STALLED: Duration = Duration::from_secs(20);
 
 /// What became of a world.
 #[derive(Clone, Debug, Default)]
@@ -209,259 +201,4 @@ fn fleet_config(sim: &Simulation<'_>, world: &World, mission: &Mission, ports: &
         config[name] = value.clone();
     }
     config
-}
-
-/// Leads a flight from the ground to its last step.
-struct Director<'s> {
-    sim: &'s Simulation<'s>,
-    world: &'s World,
-    step_ms: i64,
-    fleet: Fleet,
-    reports: &'s Receiver<(usize, Report)>,
-    stop: &'s AtomicBool,
-    epoch_ms: &'s AtomicI64,
-    stages: Vec<Stage>,
-    words: Vec<String>,
-    clock_ms: i64,
-    flight: WorldFlight,
-    /// Steps begun by each UAV.
-    begun: Vec<u32>,
-    first_step: Option<Instant>,
-    last_step: Instant,
-}
-
-impl<'s> Director<'s> {
-    fn new(
-        sim: &'s Simulation<'s>,
-        world: &'s World,
-        mission: &Mission,
-        fleet: Fleet,
-        reports: &'s Receiver<(usize, Report)>,
-        stop: &'s AtomicBool,
-        epoch_ms: &'s AtomicI64,
-    ) -> Self {
-        let (uavs, steps) = (sim.scenario.uavs, sim.scenario.steps as usize);
-        Self {
-            sim,
-            world,
-            step_ms: i64::from(mission.scale.step_ms),
-            fleet,
-            reports,
-            stop,
-            epoch_ms,
-            stages: vec![Stage::Silent; uavs],
-            words: vec![String::new(); uavs],
-            clock_ms: START_UNIX_MS,
-            flight: WorldFlight {
-                states: vec![vec![None; uavs]; steps + 1],
-                decisions: vec![vec![None; uavs]; steps],
-                ..WorldFlight::default()
-            },
-            begun: vec![0; uavs],
-            first_step: None,
-            last_step: Instant::now(),
-        }
-    }
-
-    fn direct(mut self) -> Result<WorldFlight, SimError> {
-        let began = Instant::now();
-        while self.stages.iter().any(|&stage| stage != Stage::Flying) {
-            self.turn()?;
-            if self.clock_ms - START_UNIX_MS > BRING_UP_MS || self.stages.contains(&Stage::Failed) {
-                return Err(SimError::NotAirborne { minutes: BRING_UP_MS / 60_000, who: self.missing() });
-            }
-        }
-        // On a boundary of the fleet's own ticks, which divide a step.
-        let epoch_ms =
-            START_UNIX_MS + (self.clock_ms - START_UNIX_MS + LEAD_MS).div_euclid(self.step_ms) * self.step_ms;
-        self.fleet.command(&json!({"epoch_unix_ms": epoch_ms}));
-        self.epoch_ms.store(epoch_ms, Ordering::Relaxed);
-        self.last_step = Instant::now();
-        let steps = self.sim.scenario.steps;
-        while self.begun.iter().any(|&begun| begun <= steps) {
-            self.turn()?;
-            if self.last_step.elapsed() > STALLED {
-                let step = self.begun.iter().copied().min().unwrap_or(0);
-                return Err(SimError::Stalled { seconds: STALLED.as_secs(), step, who: self.missing() });
-            }
-        }
-        let first = self.first_step.unwrap_or(began);
-        self.flight.wall_s = (self.last_step - first).as_secs_f64();
-        self.flight.bring_up_s = (first - began).as_secs_f64();
-        self.flight.simulated_s = f64::from(steps) * self.step_ms as f64 / 1000.0;
-        for event in self.fleet.stop() {
-            self.hear(&event);
-        }
-        Ok(self.flight)
-    }
-
-    /// Takes in what nodes and fleet tell.
-    fn turn(&mut self) -> Result<(), SimError> {
-        if self.stop.load(Ordering::Relaxed) {
-            return Err(SimError::Stopped);
-        }
-        match self.reports.recv_timeout(Duration::from_millis(20)) {
-            Ok((id, report)) => self.take(id, report)?,
-            Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => return Err(SimError::Stopped),
-        }
-        while let Ok((id, report)) = self.reports.try_recv() {
-            self.take(id, report)?;
-        }
-        for event in self.fleet.events()? {
-            self.hear(&event);
-        }
-        Ok(())
-    }
-
-    fn take(&mut self, id: usize, report: Report) -> Result<(), SimError> {
-        match report {
-            Report::Notice(notice) => {
-                if self.sim.verbose || (notice.warning && self.first_step.is_some()) {
-                    eprintln!("UAV {id}: {notice}");
-                }
-                self.words[id] = notice.text;
-            }
-            Report::Stage(stage) => self.stages[id] = stage,
-            Report::Clock(common_ms) => self.clock_ms = self.clock_ms.max(common_ms),
-            Report::Begun(begun) => self.begin(id, &begun)?,
-            Report::Decision(decision) => {
-                if let Some(row) = self.flight.decisions.get_mut(decision.step as usize) {
-                    row[id] = Some(decision);
-                }
-            }
-            Report::Ended(counters) => self.flight.counters.add(&counters),
-            Report::Status(_) => {}
-        }
-        Ok(())
-    }
-
-    fn begin(&mut self, id: usize, begun: &StepBegun) -> Result<(), SimError> {
-        if self.begun[id] == 0 && begun.step != 0 {
-            return Err(SimError::MissedStart(id));
-        }
-        self.begun[id] = begun.step.saturating_add(1);
-        self.last_step = Instant::now();
-        self.first_step.get_or_insert(self.last_step);
-        if let Some(row) = self.flight.states.get_mut(begun.step as usize) {
-            row[id] = Some(begun.state);
-        }
-        Ok(())
-    }
-
-    fn hear(&mut self, event: &Value) {
-        match event["event"].as_str() {
-            Some("truth") => {
-                let steps = self.sim.scenario.steps as usize;
-                let step = event["step"].as_u64().unwrap_or(0) as usize;
-                if (1..=steps).contains(&step)
-                    && let Some(share) = true_share(self.world, &event["u"])
-                {
-                    self.flight.true_coverage.push(share);
-                }
-            }
-            Some("timeout" | "failsafe" | "crash" | "lockstep_timeout" | "error") => {
-                if self.sim.verbose {
-                    eprintln!("fleet: {event}");
-                }
-                self.flight.trouble.push(event.clone());
-            }
-            _ => {}
-        }
-    }
-
-    /// Who is behind, and what each said last.
-    fn missing(&self) -> String {
-        let behind = |&id: &usize| {
-            self.stages[id] != Stage::Flying
-                || (self.first_step.is_some() && Some(&self.begun[id]) == self.begun.iter().min())
-        };
-        let one = |id: usize| format!("UAV {id} ({}; {})", self.stages[id].name(), self.words[id]);
-        (0..self.stages.len()).filter(behind).take(3).map(one).collect::<Vec<_>>().join(", ")
-    }
-}
-
-/// Share of PoIs covered from positions in u.
-fn true_share(world: &World, positions: &Value) -> Option<f64> {
-    let places: Option<Vec<(f32, f32)>> = positions
-        .as_array()?
-        .iter()
-        .map(|place| Some((place[0].as_f64()? as f32, place[1].as_f64()? as f32)))
-        .collect();
-    share_at(world, &places?)
-}
-
-/// Share of PoIs covered from these places; outside the map counts as its edge.
-fn share_at(world: &World, places: &[(f32, f32)]) -> Option<f64> {
-    let side = world.scenario().side_u;
-    let inside: Vec<_> = places.iter().map(|&(x, y)| (x.clamp(0.0, side), y.clamp(0.0, side))).collect();
-    let pois: Vec<_> = world.poi_x().iter().copied().zip(world.poi_y().iter().copied()).collect();
-    let mut scene = world.clone();
-    scene.set_layout(&inside, &pois).ok()?;
-    Some(covered_share(&scene))
-}
-
-/// Compares with the trainer.
-fn account(sim: &Simulation<'_>, index: u64, world: &World, flight: &mut WorldFlight) {
-    let policy_seed = super::policy_seed(sim.seed, index);
-    let trained = trainer::fly(world.clone(), sim.actor, policy_seed, sim.mode);
-    for row in flight.states.iter().skip(1) {
-        let known: Vec<(f32, f32)> = row.iter().flatten().map(|state| state.position.to_u()).collect();
-        // With a UAV unknown there is no state to score; the fleet's truth has them all.
-        let share = if known.len() == row.len() { share_at(world, &known) } else { None };
-        flight.coverage.push(share.unwrap_or_else(|| flight.coverage.last().copied().unwrap_or(0.0)));
-    }
-    if sim.ideal {
-        compare_flights(&trained, flight);
-    } else {
-        review(Reviewer::new(world.clone(), sim.actor, policy_seed, sim.mode), flight);
-    }
-    flight.trainer = trained.metrics;
-    flight.trainer_coverage = trained.coverage;
-}
-
-fn compare_flights(trained: &TrainerFlight, flight: &mut WorldFlight) {
-    for (step, row) in flight.decisions.iter().enumerate() {
-        for (id, decision) in row.iter().enumerate() {
-            let Some(decision) = decision else { continue };
-            flight.compared += 1;
-            let same = is_same(decision, trained.observations[step][id], trained.actions[step][id]);
-            flight.equal += u64::from(same);
-            if !same && flight.first_difference.is_none() {
-                let (observation, action) = (trained.observations[step][id], trained.actions[step][id]);
-                flight.first_difference = Some(difference(id, decision, observation, action));
-            }
-        }
-    }
-}
-
-/// A decision that is not the trainer's, in words.
-fn difference(id: usize, decision: &Decision, observation: u64, action: Action) -> String {
-    let seen = if decision.observation == observation { "the same" } else { "another" };
-    let ((x, y), (vx, vy)) = (decision.state.position.to_u(), decision.state.velocity.to_u());
-    format!(
-        "step {}, UAV {id} at ({x}, {y}) u with ({vx}, {vy}) u/step: action {} on {seen} observation, the trainer's is {}; \
-         neighbours {:?}, {} of them with a feature",
-        decision.step,
-        decision.action,
-        action.index(),
-        decision.neighbours(),
-        decision.features,
-    )
-}
-
-fn review(mut reviewer: Reviewer<'_>, flight: &mut WorldFlight) {
-    for (step, row) in flight.decisions.iter().enumerate() {
-        let states: Option<Vec<State>> = flight.states[step].iter().copied().collect();
-        let Some(expected) = states.and_then(|states| reviewer.review(step as u32, &states)) else { continue };
-        for (id, (decision, (observation, action))) in (0u16..).zip(row.iter().zip(expected)) {
-            let Some(decision) = decision else { continue };
-            flight.compared += 1;
-            let same = is_same(decision, observation, action);
-            flight.equal += u64::from(same);
-            if !same && flight.first_difference.is_none() {
-                flight.first_difference = Some(difference(usize::from(id), decision, observation, action));
-            }
-        }
-    }
 }

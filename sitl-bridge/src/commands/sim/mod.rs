@@ -1,6 +1,8 @@
 //! `swarm --sim`: nodes against a fleet of simulated autopilots, world after world, measured
 //! against the trainer's evaluation of the same worlds.
 
+mod account;
+mod director;
 mod fleet;
 mod flight;
 mod trainer;
