@@ -17,17 +17,18 @@ mod clock;
 mod dialect;
 mod outgoing;
 mod request;
+mod stage;
 mod telemetry;
 mod vehicle;
 
 pub use clock::{Tick, VehicleClock};
 pub use dialect::{Dialect, Mode, Unfit};
 pub use outgoing::{Outgoing, Payload, VELOCITY_AND_ACCELERATION, command};
+pub use stage::{Leave, Notice, Stage};
 pub use telemetry::{GlobalPosition, Heartbeat, LocalPosition, Telemetry};
 pub use vehicle::{Fix, Heard, Vehicle};
 
 use request::{Failure, Request};
-use std::fmt;
 
 /// MAV_AUTOPILOT_INVALID: who sends it is no autopilot.
 const NO_AUTOPILOT: u8 = 8;
@@ -49,74 +50,6 @@ const PRESTREAM_MS: i64 = 1200;
 const SLOWEST_CLIMB_MMPS: i64 = 300;
 const CLIMB_START_MS: i64 = 20_000;
 
-/// Something to tell the operator.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Notice {
-    /// Whether it needs attention.
-    pub warning: bool,
-    /// In plain words.
-    pub text: String,
-}
-
-impl Notice {
-    /// All is well.
-    pub fn info(text: impl Into<String>) -> Self {
-        Self { warning: false, text: text.into() }
-    }
-
-    /// Something needs attention.
-    pub fn warning(text: impl Into<String>) -> Self {
-        Self { warning: true, text: text.into() }
-    }
-}
-
-impl fmt::Display for Notice {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.text)
-    }
-}
-
-/// How far the vehicle is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// No autopilot was heard.
-    Silent,
-    /// Message rates are being asked for.
-    Subscribing,
-    /// On the ground or in somebody else's hands.
-    Idle,
-    /// Under way into flight.
-    BringUp,
-    /// In the air and in the mode that takes setpoints.
-    Flying,
-    /// It could not be brought into flight, or it is none that can be flown.
-    Failed,
-}
-
-impl Stage {
-    /// One word.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Silent => "silent",
-            Self::Subscribing => "subscribing",
-            Self::Idle => "idle",
-            Self::BringUp => "bring-up",
-            Self::Flying => "flying",
-            Self::Failed => "failed",
-        }
-    }
-}
-
-/// What the node lets happen at a poll.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Leave {
-    /// Mode, arming and takeoff commands may be sent: the gate is open for a start.
-    pub may_start: bool,
-    /// Setpoints are being streamed.
-    pub streaming: bool,
-}
-
 /// One autopilot.
 #[derive(Clone, Debug)]
 pub struct Autopilot {
@@ -125,6 +58,8 @@ pub struct Autopilot {
     /// System and component that are listened to.
     target: Option<(u8, u8)>,
     dialect: Option<Dialect>,
+    /// Another autopilot on the same link was told of.
+    stranger_told: bool,
     rate_hz: f64,
     /// Altitude to fly at, mm above mean sea level.
     layer_mm: i32,
@@ -153,6 +88,7 @@ impl Autopilot {
             vehicle,
             target: None,
             dialect: None,
+            stranger_told: false,
             rate_hz,
             layer_mm,
             request: None,
@@ -219,6 +155,13 @@ impl Autopilot {
                 self.identify(from, *heartbeat, notices);
             }
             (Some(target), _) if target == from => {}
+            (Some(_), Telemetry::Heartbeat(heartbeat))
+                if heartbeat.autopilot != NO_AUTOPILOT && !self.stranger_told =>
+            {
+                self.stranger_told = true;
+                notices.push(Notice::warning(format!("system {} on the same link is not listened to", from.0)));
+                return Heard::Noted;
+            }
             // Before the first heartbeat, and of others on the same link.
             _ => return Heard::Noted,
         }

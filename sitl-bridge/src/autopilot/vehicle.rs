@@ -12,6 +12,9 @@ const DISAGREE_MM: f64 = 1000.0;
 /// … and this share of the distance from the estimator's origin: autopilots scale degrees
 /// differently.
 const DISAGREE_SHARE: f64 = 0.01;
+/// Two messages of times no farther apart than this tell of the same moment, ms: an autopilot
+/// stamps each as it is sent.
+const SAME_MS: u32 = 5;
 /// After so many positions without a LOCAL_POSITION_NED of the same time none is waited for.
 const PATIENCE: u8 = 3;
 
@@ -57,6 +60,8 @@ pub struct Vehicle {
     pub fix: Option<Fix>,
     /// A global position that waits for its local one.
     pending: Option<Fix>,
+    /// A local position that came first.
+    early: Option<LocalPosition>,
     since_local: u8,
     /// Where the estimator has its origin.
     origin: Option<Place>,
@@ -84,6 +89,7 @@ impl Vehicle {
             heartbeat: None,
             fix: None,
             pending: None,
+            early: None,
             since_local: 0,
             origin: None,
             refused: false,
@@ -147,7 +153,7 @@ impl Vehicle {
             return done(Heard::Noted);
         };
         let [north, east, down] = global.velocity_cmps.map(|v| f64::from(v) / 100.0);
-        let fix = Fix {
+        let mut fix = Fix {
             boot_ms: global.boot_ms,
             place,
             alt_mm: global.alt_mm,
@@ -155,6 +161,12 @@ impl Vehicle {
             velocity_mps: [east, north, -down],
             fine: false,
         };
+        if let Some(local) = self.early.take().filter(|local| is_same_time(local.boot_ms, global.boot_ms)) {
+            self.since_local = 0;
+            self.refine(&mut fix, &local);
+            (self.fix, self.pending) = (Some(fix), None);
+            return done(Heard::Fix);
+        }
         if self.since_local < PATIENCE {
             // A pair that lost its second half still counts, with the next one.
             self.since_local += u8::from(self.pending.is_some());
@@ -172,15 +184,14 @@ impl Vehicle {
         if !local.is_finite() {
             self.refused = true;
         }
-        let pending = self.pending.take_if(|fix| fix.boot_ms == local.boot_ms);
+        let pending = self.pending.take_if(|fix| is_same_time(fix.boot_ms, local.boot_ms));
         let Some(mut fix) = pending else {
+            self.early = Some(*local);
             return if tick == Tick::Restarted { Heard::Restarted } else { Heard::Noted };
         };
         let waited_for = self.since_local < PATIENCE;
         self.since_local = 0;
-        if local.is_finite() {
-            self.refine(&mut fix, local);
-        }
+        self.refine(&mut fix, local);
         if waited_for {
             self.fix = Some(fix);
             return Heard::Fix;
@@ -190,6 +201,9 @@ impl Vehicle {
 
     /// Takes the finer numbers where they say the same.
     fn refine(&mut self, fix: &mut Fix, local: &LocalPosition) {
+        if !local.is_finite() {
+            return;
+        }
         let [north, east, _] = local.position_m.map(|m| f64::from(m) * 1000.0);
         let [v_north, v_east, v_down] = local.velocity_mps.map(f64::from);
         fix.velocity_mps = [v_east, v_north, -v_down];
@@ -212,6 +226,10 @@ impl Vehicle {
         }
         tick
     }
+}
+
+const fn is_same_time(a: u32, b: u32) -> bool {
+    (a.wrapping_sub(b) as i32).unsigned_abs() <= SAME_MS
 }
 
 #[cfg(test)]
@@ -258,6 +276,18 @@ mod tests {
         // The origin's own degrees are rounded: 5.6 mm.
         assert!((fix.place.north_mm - 80_003.0).abs() < 6.0 && (fix.place.east_mm - 150_001.0).abs() < 6.0);
         assert!((fix.velocity_mps[0] - 2.002).abs() < 1e-6 && fix.velocity_mps[2] == 0.5);
+    }
+
+    #[test]
+    fn the_local_position_may_come_first_and_a_little_earlier() {
+        let mut vehicle = with_origin();
+        let at = Place { east_mm: 150_000.0, north_mm: 80_000.0 };
+        assert_eq!(vehicle.hear(&local(998, 100.003, 100.001)), Heard::Noted);
+        assert_eq!(vehicle.hear(&global(1000, at)), Heard::Fix);
+        assert!(vehicle.fix.unwrap().fine && vehicle.fix.unwrap().boot_ms == 1000);
+        // Once it is too early it is no pair.
+        assert_eq!(vehicle.hear(&local(1190, 100.0, 100.0)), Heard::Noted);
+        assert_eq!(vehicle.hear(&global(1200, at)), Heard::Noted);
     }
 
     #[test]

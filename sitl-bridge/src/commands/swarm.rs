@@ -93,6 +93,9 @@ struct SimArgs {
     /// Worlds to fly, one after the other.
     #[arg(long, default_value_t = 1)]
     worlds: u64,
+    /// Index of the first of them.
+    #[arg(long, default_value_t = 0)]
+    first_world: u64,
     /// Seed of the worlds.
     #[arg(long, default_value_t = 777)]
     seed: u64,
@@ -162,12 +165,13 @@ impl Swarm {
             ..Simulation::new(actor, scenario)
         };
         let json = self.json;
-        let summary = simulation.run(args.worlds, stop, |index, flight| {
-            eprintln!("{}", line(index, flight));
-            if let (Some(difference), true) = (&flight.first_difference, self.verbose || args.ideal) {
-                eprintln!("  the first other decision: {difference}");
-            }
-        });
+        let summary =
+            simulation.run(args.first_world..args.first_world.saturating_add(args.worlds), stop, |index, flight| {
+                eprintln!("{}", line(index, flight));
+                if let (Some(difference), true) = (&flight.first_difference, self.verbose || args.ideal) {
+                    eprintln!("  the first other decision: {difference}");
+                }
+            });
         let summary = summary.into_diagnostic()?;
         if json {
             println!("{}", serde_json::to_string_pretty(&summary).into_diagnostic()?);

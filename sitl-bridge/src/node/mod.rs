@@ -5,6 +5,7 @@
 //! [`run`] puts sockets around it.
 
 mod brain;
+mod interface;
 mod plan;
 mod record;
 pub mod run;
@@ -12,6 +13,7 @@ mod settings;
 mod timebase;
 
 pub use brain::{Brain, Sample, Thought, Timing};
+pub use interface::{Now, Order, Outbox, Status};
 pub use plan::{FeedForward, Plan};
 pub use record::{Counters, Decision, StepBegun, observation_hash};
 pub use settings::{Settings, SettingsError, gate_limits};
@@ -19,10 +21,11 @@ pub use timebase::Timebase;
 
 use crate::autopilot::{Autopilot, Fix, Heard, Leave, Mode, Notice, Outgoing, Stage, Telemetry, Vehicle};
 use crate::frame::{Counts, Encoder, Frame, Reader};
-use crate::signing::{LinkSigning, Session, Timestamp};
+use crate::signing::{LinkSigning, Session};
 use crate::swarm_link::{COMPONENT, SwarmLink};
 use firmware_core::gate::{self, Gate, Inputs, Measured, Phase, Proposal, Reason, Request, Vector, Verdict};
 use firmware_core::geometry::State;
+use interface::in_words;
 use plan::thousandths;
 
 /// Between two heartbeats of the node, ms.
@@ -44,80 +47,6 @@ const HOST_CLOCK_MS: i64 = 10_000;
 /// Silence of the autopilot is told after this, ms of the host's clock.
 const SILENCE_MS: u64 = 5000;
 
-/// The host's clocks.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Now {
-    /// Monotonic, ms.
-    pub wall_ms: u64,
-    /// Unix time, µs.
-    pub unix_us: u64,
-}
-
-impl Now {
-    const fn timestamp(self) -> Timestamp {
-        Timestamp::from_unix_us(self.unix_us)
-    }
-}
-
-/// What a node wants done. Cleared by whoever did it.
-#[derive(Debug, Default)]
-pub struct Outbox {
-    /// Frames for the swarm, to be sent first: a simulator in lock-step goes on once the
-    /// autopilot's have arrived.
-    pub to_swarm: Vec<Frame>,
-    /// Frames for the autopilot.
-    pub to_autopilot: Vec<Frame>,
-    /// Frames that were believed, for a recording.
-    pub heard: Vec<Frame>,
-    /// For the operator.
-    pub notices: Vec<Notice>,
-    /// Steps that began.
-    pub begun: Vec<StepBegun>,
-    /// Decisions that were made.
-    pub decisions: Vec<Decision>,
-}
-
-impl Outbox {
-    /// Empties it.
-    pub fn clear(&mut self) {
-        self.to_swarm.clear();
-        self.to_autopilot.clear();
-        self.heard.clear();
-        self.notices.clear();
-        self.begun.clear();
-        self.decisions.clear();
-    }
-}
-
-/// A look at a node, for people.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Status {
-    /// Its id.
-    pub id: u16,
-    /// How far it is.
-    pub stage: Stage,
-    /// Flight mode in the users' words.
-    pub mode: String,
-    /// The gate's last verdict, one word, and its reason.
-    pub gate: &'static str,
-    /// See `gate`.
-    pub reason: Option<Reason>,
-    /// Where it is, ticks.
-    pub state: Option<State>,
-    /// Altitude above the mission's origin, m.
-    pub altitude_m: Option<f64>,
-    /// Step under way.
-    pub step: Option<u32>,
-    /// Age of the last word of the autopilot, ms of the host's clock.
-    pub link_ms: Option<u64>,
-    /// Age of the last word of another UAV, ms of the host's clock.
-    pub swarm_ms: Option<u64>,
-    /// Neighbours known and in view.
-    pub neighbours: (usize, usize),
-    /// Battery left, percent.
-    pub battery: Option<u8>,
-}
-
 /// Which setpoints go out when the gate was asked.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Send {
@@ -127,19 +56,6 @@ enum Send {
     Brakes,
     /// The first of another verdict.
     News,
-}
-
-/// What an operator can ask of a node in flight.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Order {
-    /// Take the vehicle (again), bring it up if need be, and fly.
-    Start,
-    /// Let it go: no more setpoints.
-    Release,
-    /// Let it return home.
-    Return,
-    /// Let it land on the spot.
-    Land,
 }
 
 /// Flies one UAV.
@@ -320,24 +236,25 @@ impl<'a> Node<'a> {
         self.reader.reset();
     }
 
-    /// Takes in what came from the autopilot's link. Says whether a frame in it was believed.
+    /// Takes in what came from the autopilot's link. Says whether the autopilot sent it: whose
+    /// bytes are answered.
     pub fn hear_autopilot(&mut self, bytes: &[u8], now: Now, out: &mut Outbox) -> bool {
-        let mut believed = false;
+        let mut is_ours = false;
         self.reader.push(bytes);
         while let Some(frame) = self.reader.next_frame() {
             if let Err(reason) = self.session.check(&self.settings.autopilot_signing, &frame, now.timestamp()) {
                 self.refused.count(reason);
                 continue;
             }
-            believed = true;
             if self.settings.record {
                 out.heard.push(frame);
             }
             if let Some(telemetry) = Telemetry::read(frame.message_id(), frame.payload()) {
                 self.take(&frame, &telemetry, now, out);
             }
+            is_ours |= self.autopilot.target() == Some((frame.system(), frame.component()));
         }
-        believed
+        is_ours
     }
 
     /// Takes in a datagram of the swarm.
@@ -566,17 +483,4 @@ impl<'a> Node<'a> {
             out.notices.push(Notice::warning(format!("nothing heard for 5 s; {}", self.settings.advice)));
         }
     }
-}
-
-/// What the gate's verdict means for the flight.
-fn in_words(before: Verdict, verdict: Verdict) -> Notice {
-    let flew = matches!(before, Verdict::Stream(_));
-    let (text, warning) = match verdict {
-        Verdict::Silent(reason) => (format!("no setpoints: {}", reason.name()), flew),
-        Verdict::BringUp(_) => ("ready to start".into(), false),
-        Verdict::Stream(_) => ("the actor flies".into(), false),
-        Verdict::Hold(reason, _) => (format!("holding the place: {}", reason.name()), flew),
-        Verdict::Return(reason) => (format!("asking the autopilot to return home: {}", reason.name()), true),
-    };
-    Notice { warning, text }
 }

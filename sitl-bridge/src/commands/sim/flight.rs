@@ -24,8 +24,6 @@ use std::thread;
 
 /// The fleet's clock begins here, so that every run is the same: 2026-11-22, Unix time in ms.
 pub(super) const START_UNIX_MS: i64 = 1_795_305_600_000;
-/// The fleet moves at this many times real time until everybody streams.
-const BRING_UP_SPEED: f64 = 40.0;
 
 /// What became of a world.
 #[derive(Clone, Debug, Default)]
@@ -62,10 +60,12 @@ pub struct WorldFlight {
     pub trouble: Vec<Value>,
 }
 
+/// Flies a world once; until everybody streams, the fleet moves at `bring_up_speed` times real time.
 pub(super) fn fly(
     sim: &Simulation<'_>,
     index: u64,
     world: &World,
+    bring_up_speed: f64,
     stop: &Arc<AtomicBool>,
 ) -> Result<WorldFlight, SimError> {
     let mission = Arc::new(sim.mission(world, index)?);
@@ -100,7 +100,7 @@ pub(super) fn fly(
             .collect();
         drop(reports);
         // Whatever goes wrong, the threads must end.
-        let flown = Fleet::start(&sim.python, &fleet_config(sim, world, &mission, &ports), sim.verbose)
+        let flown = Fleet::start(&sim.python, &fleet_config(sim, world, &mission, &ports, bring_up_speed), sim.verbose)
             .map_err(SimError::from)
             .and_then(|fleet| Director::new(sim, world, &mission, fleet, &received, stop, &epoch_ms).direct());
         landed.store(true, Ordering::Relaxed);
@@ -173,7 +173,7 @@ fn settings<'a>(
     }
 }
 
-fn fleet_config(sim: &Simulation<'_>, world: &World, mission: &Mission, ports: &[u16]) -> Value {
+fn fleet_config(sim: &Simulation<'_>, world: &World, mission: &Mission, ports: &[u16], bring_up_speed: f64) -> Value {
     let (lat, lon) = mission.plane.origin_degrees();
     let alt = f64::from(mission.plane.alt_mm) / 1000.0;
     let dialect = if sim.px4 { "px4" } else { "ardupilot" };
@@ -192,7 +192,7 @@ fn fleet_config(sim: &Simulation<'_>, world: &World, mission: &Mission, ports: &
         "rate_hz": sim.rate_hz,
         "dynamics": if sim.ideal { "ideal" } else { "point" },
         "lockstep": sim.speed.is_none(),
-        "speed": sim.speed.unwrap_or(BRING_UP_SPEED),
+        "speed": sim.speed.unwrap_or(bring_up_speed),
         "seed": sim.seed,
         "signing_key_file": sim.key_file,
         "unix_ms": START_UNIX_MS,

@@ -26,6 +26,11 @@ use thiserror::Error;
 /// A fence that no action of the scenario reaches, u.
 const IDEAL_MARGIN_U: f64 = 100.0;
 
+/// From the ground into the air the fleet moves at this many times real time …
+const BRING_UP_SPEED: f64 = 20.0;
+/// … or at this, on a busy computer.
+const SLOW_BRING_UP_SPEED: f64 = 4.0;
+
 /// Why a simulation ended early.
 #[derive(Debug, Error)]
 pub enum SimError {
@@ -140,19 +145,19 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// Flies worlds 0 to `worlds` − 1 one after the other and hands each to `done`. `stop` ends
+    /// Flies the worlds of these indices one after the other and hands each to `done`. `stop` ends
     /// it early.
     ///
     /// # Errors
     /// See [`SimError`].
     pub fn run(
         &self,
-        worlds: u64,
+        worlds: std::ops::Range<u64>,
         stop: &Arc<AtomicBool>,
         mut done: impl FnMut(u64, &WorldFlight),
     ) -> Result<Summary, SimError> {
         let mut summary = Summary::new(self.scenario.uavs, self.scenario.steps);
-        for index in 0..worlds {
+        for index in worlds {
             let flight = self.fly(index, stop)?;
             summary.add(&flight);
             done(index, &flight);
@@ -167,7 +172,14 @@ impl<'a> Simulation<'a> {
     pub fn fly(&self, index: u64, stop: &Arc<AtomicBool>) -> Result<WorldFlight, SimError> {
         let mut world = World::new(&self.scenario)?;
         world.reset(self.seed, index);
-        flight::fly(self, index, &world, stop)
+        // The second try is for a computer so busy that autopilots missed their heartbeats.
+        match flight::fly(self, index, &world, BRING_UP_SPEED, stop) {
+            Err(error @ (SimError::NotAirborne { .. } | SimError::MissedStart(_))) if self.fleet.is_empty() => {
+                eprintln!("world {index}: {error}; once more, slower");
+                flight::fly(self, index, &world, SLOW_BRING_UP_SPEED, stop)
+            }
+            flown => flown,
+        }
     }
 
     /// The mission of world `index`.
