@@ -143,6 +143,25 @@ impl ActorPass {
         self.encoder.backward(&net.encoder, inputs, &mut sum.encoder);
     }
 
+    /// Multiply-adds in products, those with a zero left out: of a forward and of a
+    /// backward pass.
+    #[must_use]
+    pub fn work(&self, inputs: &Inputs) -> [u64; 2] {
+        let [mut forward, mut backward] = self.encoder.work(inputs);
+        let (feature, head) = (self.encoder.feature.width() as u64, self.head.width() as u64);
+        let outputs = self.logits.width() as u64;
+        let (rows, active) = (self.head.rows() as u64, self.head.marked());
+        let own = self.encoder.feature.marked() * head;
+        forward += own + active * outputs;
+        backward += own + active * feature + 2 * rows * outputs * head;
+        if let Some(g) = &self.graph {
+            let products = g.combined.marked() * feature + g.output.marked() * head;
+            forward += products;
+            backward += products + active * feature + g.output.marked() * feature;
+        }
+        [forward, backward]
+    }
+
     /// First hidden layer.
     #[must_use]
     pub const fn hidden(&self) -> &Rows {

@@ -111,6 +111,18 @@ impl CriticPass {
         self.encoder.backward(&net.encoder, inputs, &mut sum.encoder);
     }
 
+    /// Multiply-adds in products, those with a zero left out: of a forward and of a
+    /// backward pass.
+    #[must_use]
+    pub fn work(&self, inputs: &Inputs) -> [u64; 2] {
+        let [forward, backward] = self.encoder.work(inputs);
+        let (feature, head) = (self.encoder.feature.width() as u64, self.head.width() as u64);
+        let (rows, active) = (self.head.rows() as u64, self.head.marked());
+        let own = self.encoder.feature.marked() * head;
+        let mean = self.mean.rows() as u64 * feature * head;
+        [forward + own + mean + active, backward + own + active * feature + 2 * mean + 2 * rows * head]
+    }
+
     /// Normalised values, 1 wide.
     #[must_use]
     pub const fn values(&self) -> &Rows {

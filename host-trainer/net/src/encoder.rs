@@ -61,6 +61,14 @@ impl EncoderPass {
         encoder.second.forward(&self.hidden, To::Relu, &mut self.feature);
     }
 
+    /// Multiply-adds of marked numbers, forward and backward.
+    pub fn work(&self, inputs: &Inputs) -> [u64; 2] {
+        let (hidden, feature) = (self.hidden.width() as u64, self.feature.width() as u64);
+        let first = inputs.rows().marked() * hidden;
+        let second = self.hidden.marked() * feature;
+        [first + second, first + second + self.feature.marked() * hidden]
+    }
+
     /// Carries `by_feature`, already gated by the feature's ReLU, back to the weights.
     pub fn backward(&mut self, encoder: &Encoder, inputs: &Inputs, sum: &mut EncoderGradient) {
         let [first, first_bias, second, second_bias] = &mut sum.pieces;

@@ -97,22 +97,26 @@ impl Vectorised for Unpack<'_> {
         const SCALE: f32 = 1.0 / 127.0;
         let rows = self.values.chunks_exact_mut(self.step).zip(self.masks.chunks_exact_mut(self.words));
         for (observation, (row, masks)) in self.observations.iter().zip(rows) {
-            let used = &observation[..self.width];
-            row[..self.width].iter_mut().zip(used).for_each(|(x, &o)| *x = f32::from(o) * SCALE);
-            for (word, block) in masks.iter_mut().zip(used.chunks(64)) {
-                *word = block.chunks(8).enumerate().fold(0, |m, (k, bytes)| m | not_zero(bytes) << (8 * k));
+            masks.fill(0);
+            let (eights, _) = observation.as_chunks::<8>();
+            for (k, (part, eight)) in row.chunks_exact_mut(8).zip(eights).enumerate() {
+                part.iter_mut().zip(eight).for_each(|(x, &o)| *x = f32::from(o) * SCALE);
+                masks[k / 8] |= not_zero(*eight) << (8 * (k % 8));
+            }
+            // Numbers that the network does not take.
+            row[self.width..].fill(0.0);
+            if !self.width.is_multiple_of(64) {
+                masks[self.words - 1] &= (1 << (self.width % 64)) - 1;
             }
         }
     }
 }
 
-/// Bit k: whether byte k of up to eight is not zero.
+/// Bit k: whether byte k is not zero.
 #[inline(always)]
-fn not_zero(bytes: &[i8]) -> u64 {
+fn not_zero(bytes: [i8; 8]) -> u64 {
     const LOW: u64 = 0x7f7f_7f7f_7f7f_7f7f;
-    let mut eight = [0; 8];
-    eight.iter_mut().zip(bytes).for_each(|(e, &b)| *e = b as u8);
-    let w = u64::from_le_bytes(eight);
+    let w = u64::from_le_bytes(bytes.map(|b| b as u8));
     // The top bit of each byte that is not zero, moved to its lowest; the product gathers
     // these in the top byte.
     let bits = ((((w & LOW) + LOW) | w) & !LOW) >> 7;
@@ -126,9 +130,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn bytes_that_are_not_zero_are_found(bytes in proptest::collection::vec(prop_oneof![Just(0i8), any::<i8>()], 0..=8)) {
+        fn bytes_that_are_not_zero_are_found(bytes in proptest::array::uniform8(prop_oneof![Just(0i8), any::<i8>()])) {
             let expected = bytes.iter().enumerate().fold(0, |m, (k, &b)| m | u64::from(b != 0) << k);
-            prop_assert_eq!(not_zero(&bytes), expected);
+            prop_assert_eq!(not_zero(bytes), expected);
         }
     }
 

@@ -91,6 +91,18 @@ impl Rows {
         self.masks[..self.rows * self.words].fill(u64::MAX);
     }
 
+    /// How many numbers are marked.
+    #[must_use]
+    pub fn marked(&self) -> u64 {
+        let (last, words) = (self.width - 64 * (self.words - 1), self.words);
+        let beyond = u64::MAX.checked_shr(64 - last as u32).unwrap_or(0);
+        let row = |row: &[u64]| -> u64 {
+            let whole: u32 = row[..words - 1].iter().map(|w| w.count_ones()).sum();
+            u64::from(whole + (row[words - 1] & beyond).count_ones())
+        };
+        self.masks[..self.rows * words].chunks_exact(words).map(row).sum()
+    }
+
     /// Zeros where `active`, the output of a ReLU, is not above zero; marks as there.
     ///
     /// # Panics

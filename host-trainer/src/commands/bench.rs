@@ -47,6 +47,12 @@ pub fn run(args: &Bench) -> Result<()> {
         trainer.round(&workers);
         rates[3].push(agent_steps / start.elapsed().as_secs_f64());
     }
+    let work = trainer.count_update(&workers);
+    println!(
+        "{:.1} kMAC an agent-step, {:.1} GF/s",
+        work as f64 / agent_steps / 1e3,
+        2e-9 * work as f64 / agent_steps * median(rates[2].clone())
+    );
     let [env, policy, update, train] = rates.map(median);
     let out = Rates {
         env_agent_steps_per_s: env,

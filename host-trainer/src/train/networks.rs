@@ -38,6 +38,8 @@ pub struct Workspace {
     pub gradients: [Vec<f32>; 2],
     /// Samples of a pass.
     pub samples: Vec<Sample>,
+    /// Multiply-adds of the updates, those with a zero left out; counted if there is a sum.
+    pub counted: Option<u64>,
     /// Random numbers of a pass.
     pub draws: Vec<f64>,
 }
@@ -53,6 +55,7 @@ impl Workspace {
             sums: (ActorGradient::new(&layouts[0]), CriticGradient::new(&layouts[1])),
             gradients: [0, 1].map(|k: usize| vec![0.0; layouts[k].len()]),
             samples: Vec::new(),
+            counted: None,
             draws: Vec::new(),
         }
     }

@@ -274,6 +274,14 @@ impl Trainer {
         spent
     }
 
+    /// Multiply-adds that the update of an episode's worth in every world takes, those with
+    /// a zero left out. It learns as [`Self::time`] does.
+    pub fn count_update(&mut self, workers: &Workers) -> u64 {
+        self.work.iter_mut().for_each(|w| w.counted = Some(0));
+        self.time(Stage::Update, workers);
+        self.work.iter_mut().filter_map(|w| w.counted.take()).sum()
+    }
+
     /// Plays a segment in every world, with or without the planner's advice.
     fn play(&mut self, s: &Settings, advised: bool, workers: &Workers) {
         let (nets, norm) = (&self.nets, self.state.norm);

@@ -150,6 +150,9 @@ fn part(nets: &Networks, segment: &Segment<'_>, loss: &Loss, places: &[Place], w
         }
         work.actor.forward(&nets.actor, &work.inputs);
         work.critic.forward(&nets.critic, &work.inputs);
+        if let Some(sum) = &mut work.counted {
+            *sum += [work.actor.work(&work.inputs), work.critic.work(&work.inputs)].as_flattened().iter().sum::<u64>();
+        }
         loss.backward(work.actor.logits_mut(), work.critic.values_mut(), &work.samples, &mut sums);
         work.actor.backward(&nets.actor, &work.inputs, &mut work.sums.0);
         work.critic.backward(&nets.critic, &work.inputs, &mut work.sums.1);
