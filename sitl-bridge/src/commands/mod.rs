@@ -8,7 +8,7 @@ mod sim;
 mod swarm;
 
 pub use actor_file::ActorFileError;
-pub use sim::{SimError, Simulation, WorldFlight};
+pub use sim::{Fleet, FleetError, SimError, Simulation, WorldFlight, find_python};
 
 use clap::Parser;
 use miette::IntoDiagnostic as _;

@@ -55,6 +55,7 @@ pub enum FleetError {
 }
 
 /// A running fleet. It ends when this is dropped.
+#[derive(Debug)]
 pub struct Fleet {
     python: PathBuf,
     child: Child,
@@ -110,6 +111,12 @@ impl Fleet {
         fleet.command(config);
         fleet.await_ready()?;
         Ok(fleet)
+    }
+
+    /// Its process.
+    #[must_use]
+    pub fn process(&self) -> u32 {
+        self.child.id()
     }
 
     /// Sends a command; one that has ended does not hear it.

@@ -7,7 +7,7 @@ mod fleet;
 mod flight;
 mod trainer;
 
-pub use fleet::{FleetError, find_python};
+pub use fleet::{Fleet, FleetError, find_python};
 pub use flight::WorldFlight;
 
 use crate::connection::OpenError;
