@@ -133,10 +133,9 @@ impl ActorPass {
             sum.weights.add_weights(&pass.combined, &pass.by_output);
             sum.bias.add_bias(&pass.by_output);
             layer.weights.backward(&pass.by_output, To::Plain, &mut pass.by_combined);
-            net.own.backward(&self.by_head, From::Zero, To::Plain, by_feature);
             let attention = layer.attention.as_ref().zip(sum.attention.as_mut());
             pass.edges.backward(&pass.by_combined, feature, attention, by_feature);
-            by_feature.gate(feature);
+            net.own.backward(&self.by_head, From::Kept, To::Gate(feature), by_feature);
         } else {
             net.own.backward(&self.by_head, From::Zero, To::Gate(feature), by_feature);
         }

@@ -90,10 +90,11 @@ impl Edges {
     pub fn forward(&mut self, inputs: &Inputs, attention: Option<&Attention>, feature: &Rows, combined: &mut Rows) {
         combined.resize(feature.rows());
         vectorised(Forward { edges: self, inputs, attention, feature, combined });
-        combined.mark();
+        // Hardly any are zero.
+        combined.mark_all();
     }
 
-    /// Adds to `by_feature` what `by_combined` gives it, and to `sum` with attention.
+    /// Writes to `by_feature` what `by_combined` gives it, and adds to `sum` with attention.
     pub fn backward(
         &mut self,
         by_combined: &Rows,
@@ -101,6 +102,7 @@ impl Edges {
         attention: Option<(&Attention, &mut AttentionGradient)>,
         by_feature: &mut Rows,
     ) {
+        by_feature.resize(feature.rows());
         vectorised(Backward { edges: self, by_combined, feature, attention, by_feature });
     }
 
@@ -211,6 +213,7 @@ impl Vectorised for Backward<'_> {
         let Self { edges, by_combined, feature, attention, by_feature } = self;
         let (step, h) = (feature.step(), feature.values());
         let by_h = by_feature.values_mut();
+        by_h.fill(0.0);
         let mut first = 0;
         for (&end, g) in edges.ends.iter().zip(by_combined.values().chunks_exact(step)) {
             for e in first..end as usize {

@@ -1,6 +1,6 @@
 //! What the networks see of some world-steps.
 
-use crate::kernel::{Vectorised, vectorised};
+use crate::kernel::{padded, unpack};
 use crate::matrix::Rows;
 use covey_env::Links;
 use firmware_core::observation::{LEN, Observation};
@@ -56,8 +56,13 @@ impl Inputs {
         let (step, width) = (self.rows.step(), self.rows.width());
         let words = width.div_ceil(64);
         let (values, masks) = self.rows.parts_mut();
-        let (values, masks) = (&mut values[first * step..], &mut masks[first * words..]);
-        vectorised(Unpack { observations, width, step, values, words, masks });
+        let values = values[first * step..].chunks_exact_mut(step);
+        let masks = masks[first * words..].chunks_exact_mut(words);
+        for (observation, (values, masks)) in observations.iter().zip(values.zip(masks)) {
+            unpack(&observation[..padded(width)], 1.0 / 127.0, values, masks);
+            // What the network does not take.
+            values[width..].fill(0.0);
+        }
     }
 
     /// Observations over 127, a row a UAV.
@@ -79,62 +84,9 @@ impl Inputs {
     }
 }
 
-/// Bytes to floats over 127, with marks.
-struct Unpack<'a> {
-    observations: &'a [Observation],
-    width: usize,
-    step: usize,
-    values: &'a mut [f32],
-    words: usize,
-    masks: &'a mut [u64],
-}
-
-impl Vectorised for Unpack<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        const SCALE: f32 = 1.0 / 127.0;
-        let rows = self.values.chunks_exact_mut(self.step).zip(self.masks.chunks_exact_mut(self.words));
-        for (observation, (row, masks)) in self.observations.iter().zip(rows) {
-            masks.fill(0);
-            let (eights, _) = observation.as_chunks::<8>();
-            for (k, (part, eight)) in row.chunks_exact_mut(8).zip(eights).enumerate() {
-                part.iter_mut().zip(eight).for_each(|(x, &o)| *x = f32::from(o) * SCALE);
-                masks[k / 8] |= not_zero(*eight) << (8 * (k % 8));
-            }
-            // Numbers that the network does not take.
-            row[self.width..].fill(0.0);
-            if !self.width.is_multiple_of(64) {
-                masks[self.words - 1] &= (1 << (self.width % 64)) - 1;
-            }
-        }
-    }
-}
-
-/// Bit k: whether byte k is not zero.
-#[inline(always)]
-fn not_zero(bytes: [i8; 8]) -> u64 {
-    const LOW: u64 = 0x7f7f_7f7f_7f7f_7f7f;
-    let w = u64::from_le_bytes(bytes.map(|b| b as u8));
-    // The top bit of each byte that is not zero, moved to its lowest; the product gathers
-    // these in the top byte.
-    let bits = ((((w & LOW) + LOW) | w) & !LOW) >> 7;
-    bits.wrapping_mul(0x0102_0408_1020_4080) >> 56
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn bytes_that_are_not_zero_are_found(bytes in proptest::array::uniform8(prop_oneof![Just(0i8), any::<i8>()])) {
-            let expected = bytes.iter().enumerate().fold(0, |m, (k, &b)| m | u64::from(b != 0) << k);
-            prop_assert_eq!(not_zero(bytes), expected);
-        }
-    }
 
     #[test]
     fn passes_are_even() {

@@ -1,6 +1,6 @@
 //! Matrices as the kernel takes them, and the products of a layer.
 
-use crate::kernel::{Aligned, Finish, LANES, PANEL, Product, Start, Vectorised, mark, padded, vectorised};
+use crate::kernel::{Aligned, Finish, LANES, PANEL, Product, Start, Vectorised, padded, vectorised};
 
 /// Most numbers in a row: four words of marks.
 const WIDEST: usize = 256;
@@ -69,7 +69,7 @@ impl Rows {
         &self.values[..self.rows * self.step]
     }
 
-    /// As [`Self::values`]. Marks are not kept up: see [`Self::mark`].
+    /// As [`Self::values`]. Marks are not kept up: see [`Self::mark`] and [`Self::mark_all`].
     pub fn values_mut(&mut self) -> &mut [f32] {
         &mut self.values[..self.rows * self.step]
     }
@@ -81,9 +81,13 @@ impl Rows {
 
     /// Marks what is not zero.
     pub fn mark(&mut self) {
-        let (step, width, words) = (self.step, self.width, self.words);
-        let (values, masks) = self.parts_mut();
-        mark(values, step, width, masks, words);
+        for r in 0..self.rows {
+            for (word, part) in
+                self.masks[r * self.words..].iter_mut().zip(self.values[r * self.step..][..self.width].chunks(64))
+            {
+                *word = part.iter().enumerate().fold(0, |m, (c, v)| m | u64::from(*v != 0.0) << c);
+            }
+        }
     }
 
     /// Marks everything.
@@ -103,30 +107,9 @@ impl Rows {
         self.masks[..self.rows * words].chunks_exact(words).map(row).sum()
     }
 
-    /// Zeros where `active`, the output of a ReLU, is not above zero; marks as there.
-    ///
-    /// # Panics
-    /// When shapes differ.
-    pub fn gate(&mut self, active: &Self) {
-        assert!(self.rows == active.rows && self.step == active.step, "a gate of the same shape");
-        vectorised(Gate(self.values_mut(), active.values()));
-        self.mark_as(active);
-    }
-
     /// Takes over the marks of rows of the same shape.
     fn mark_as(&mut self, other: &Self) {
         self.masks[..self.rows * self.words].copy_from_slice(&other.masks[..self.rows * self.words]);
-    }
-}
-
-struct Gate<'a>(&'a mut [f32], &'a [f32]);
-
-impl Vectorised for Gate<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        self.0.iter_mut().zip(self.1).for_each(|(g, a)| *g = if *a <= 0.0 { 0.0 } else { *g });
     }
 }
 
@@ -280,12 +263,11 @@ pub fn add_outer(x: &Rows, g: &Rows, sum: &mut Panels) {
     for (first, rows) in chunks(x.rows) {
         // Marks of up to 64 samples, a word an input.
         let mut columns = [[0; 64]; WIDEST / 64];
-        for (w, columns) in columns.iter_mut().enumerate().take(x.words) {
-            for (k, word) in columns.iter_mut().enumerate().take(rows) {
-                *word = x.masks[(first + k) * x.words + w];
-            }
-            transpose(columns);
-        }
+        vectorised(Columns {
+            masks: &x.masks[first * x.words..(first + rows) * x.words],
+            words: x.words,
+            columns: &mut columns,
+        });
         for (column, at, width) in sum.panels() {
             let product = Product {
                 rows: x.width,
@@ -333,19 +315,47 @@ fn chunks(rows: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..count).map(move |k| (k * rows / count, (k + 1) * rows / count - k * rows / count))
 }
 
-/// Transposes 64 × 64 bits (Warren, Hacker's Delight, 7–3).
-fn transpose(words: &mut [u64; 64]) {
-    let (mut width, mut mask) = (32, u64::MAX >> 32);
-    while width != 0 {
-        let mut k = 0;
-        while k < 64 {
-            let swap = ((words[k] >> width) ^ words[k + width]) & mask;
-            words[k] ^= swap << width;
-            words[k + width] ^= swap;
-            k = (k + width + 1) & !width;
+/// Marks by column from marks by row.
+struct Columns<'a> {
+    masks: &'a [u64],
+    words: usize,
+    columns: &'a mut [[u64; 64]],
+}
+
+impl Vectorised for Columns<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (w, columns) in self.columns.iter_mut().enumerate().take(self.words) {
+            columns.iter_mut().zip(self.masks.iter().skip(w).step_by(self.words)).for_each(|(c, m)| *c = *m);
+            transpose(columns);
         }
-        width >>= 1;
-        mask ^= mask << width;
+    }
+}
+
+/// Transposes 64 × 64 bits (Warren, Hacker's Delight, 7–3).
+#[inline(always)]
+fn transpose(words: &mut [u64; 64]) {
+    swap_halves::<32>(words, 0x0000_0000_ffff_ffff);
+    swap_halves::<16>(words, 0x0000_ffff_0000_ffff);
+    swap_halves::<8>(words, 0x00ff_00ff_00ff_00ff);
+    swap_halves::<4>(words, 0x0f0f_0f0f_0f0f_0f0f);
+    swap_halves::<2>(words, 0x3333_3333_3333_3333);
+    swap_halves::<1>(words, 0x5555_5555_5555_5555);
+}
+
+/// Exchanges the upper halves of the first `N` words with the lower halves of the next `N`,
+/// in every `2N` bits of every `2N` words.
+#[inline(always)]
+fn swap_halves<const N: usize>(words: &mut [u64; 64], mask: u64) {
+    for block in words.chunks_exact_mut(2 * N) {
+        let (first, second) = block.split_at_mut(N);
+        for (a, b) in first.iter_mut().zip(second) {
+            let swap = ((*a >> N) ^ *b) & mask;
+            *a ^= swap << N;
+            *b ^= swap;
+        }
     }
 }
 
