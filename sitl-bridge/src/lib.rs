@@ -7,7 +7,8 @@
 //! times, and says what to send.
 //!
 //! A [`node`] flies one UAV by a [`mission`]: it owns all state of it and is driven by
-//! datagrams and times alone. [`autopilot`] is its view of the vehicle.
+//! datagrams and times alone. [`autopilot`] is its view of the vehicle. [`replay`] runs one
+//! again from a recording.
 #![forbid(unsafe_code)]
 
 pub mod autopilot;
@@ -16,6 +17,7 @@ pub mod connection;
 pub mod frame;
 pub mod mission;
 pub mod node;
+pub mod replay;
 pub mod signing;
 pub mod summary;
 pub mod swarm_link;

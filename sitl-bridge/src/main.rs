@@ -2,7 +2,11 @@
 
 use clap::Parser;
 use sitl_bridge::commands::Command;
+use std::process::ExitCode;
 
-fn main() -> miette::Result<()> {
-    Command::parse().run()
+fn main() -> ExitCode {
+    Command::parse().run().unwrap_or_else(|report| {
+        eprintln!("Error: {report:?}");
+        ExitCode::FAILURE
+    })
 }

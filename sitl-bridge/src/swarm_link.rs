@@ -154,6 +154,12 @@ impl SwarmLink {
     }
 }
 
+/// The neighbour message that a frame of anybody carries, if it carries one.
+#[must_use]
+pub fn neighbour_message(frame: &Frame) -> Option<Message> {
+    Message::decode(&neighbour_bytes(frame, 0).ok()?).ok()
+}
+
 /// The neighbour message in a frame. MAVLink leaves out zeros at the end of a payload, so the
 /// length is what the message's own head says.
 fn neighbour_bytes(frame: &Frame, own: u8) -> Result<Vec<u8>, Rejected> {

@@ -4,6 +4,7 @@ mod actor_file;
 mod common;
 mod fly;
 mod mission;
+mod replay;
 mod sim;
 mod swarm;
 
@@ -12,6 +13,7 @@ pub use sim::{Fleet, FleetError, SimError, Simulation, WorldFlight, find_python}
 
 use clap::Parser;
 use miette::IntoDiagnostic as _;
+use std::process::ExitCode;
 
 /// Flies Covey's actor over MAVLink.
 #[derive(Parser)]
@@ -21,6 +23,8 @@ pub enum Command {
     Fly(Box<fly::Fly>),
     /// Fly several UAVs from this computer, real or simulated ones.
     Swarm(Box<swarm::Swarm>),
+    /// Decide a recorded flight again, and report decisions that differ.
+    Replay(replay::ReplayTlog),
     /// Write the mission of a world of the scenario.
     Mission(mission::WriteMission),
     /// Test an actor file on this computer, as is done before each flight.
@@ -34,13 +38,15 @@ impl Command {
     ///
     /// # Errors
     /// What went wrong, for a person.
-    pub fn run(self) -> miette::Result<()> {
+    pub fn run(self) -> miette::Result<ExitCode> {
         match self {
+            Self::Replay(args) => return Ok(args.run()),
             Self::Fly(args) => args.run(),
             Self::Swarm(args) => args.run(),
             Self::Mission(args) => args.run(),
             Self::SelfTest(args) => args.run().into_diagnostic(),
             Self::Signature(args) => args.run().into_diagnostic(),
-        }
+        }?;
+        Ok(ExitCode::SUCCESS)
     }
 }

@@ -40,9 +40,10 @@ pub struct Swarm {
     /// End with one JSON object.
     #[arg(long)]
     json: bool,
-    /// Folder for recordings of all MAVLink traffic, one file a UAV.
-    #[arg(long, value_name = "FOLDER")]
-    tlogs: Option<PathBuf>,
+    /// Folder for recordings of all MAVLink traffic, one file a UAV; with --sim each world's
+    /// mission too.
+    #[arg(long, value_name = "FOLDER", alias = "tlogs")]
+    tlog: Option<PathBuf>,
     /// Tell everything.
     #[arg(long, short)]
     verbose: bool,
@@ -133,7 +134,7 @@ impl Swarm {
         let stop = stop_flag()?;
         let (bytes, name) = self.actor.read().into_diagnostic()?;
         let actor = flight_ready(&bytes, &name).into_diagnostic()?;
-        if let Some(folder) = &self.tlogs {
+        if let Some(folder) = &self.tlog {
             std::fs::create_dir_all(folder).into_diagnostic().wrap_err("the recordings have no folder")?;
         }
         if self.sim { self.simulate(actor, &stop) } else { self.fly(actor, &stop) }
@@ -160,7 +161,7 @@ impl Swarm {
             signing: self.signing.links()?,
             key_file: self.signing.key_file().map(Into::into),
             fleet: args.fleet.unwrap_or_default(),
-            tlogs: self.tlogs,
+            tlogs: self.tlog,
             verbose: self.verbose,
             ..Simulation::new(actor, scenario)
         };
@@ -269,7 +270,7 @@ impl Swarm {
             let own = SwarmAddress::Peers { listen: (Ipv4Addr::LOCALHOST, 0).into(), peers: Vec::new() };
             let swarm = SwarmSocket::open(self.real.swarm.as_ref().unwrap_or(&own)).into_diagnostic()?;
             let file = |folder: &PathBuf| TlogWriter::create(&folder.join(format!("uav-{id}.tlog")));
-            let tlog = self.tlogs.as_ref().map(file).transpose().into_diagnostic()?;
+            let tlog = self.tlog.as_ref().map(file).transpose().into_diagnostic()?;
             links.push(Links { autopilot, swarm: Some(swarm), tlog });
         }
         if self.real.swarm.is_none() {

@@ -211,6 +211,12 @@ impl<'a> Node<'a> {
         self.gate.phase()
     }
 
+    /// The flight last decided on.
+    #[must_use]
+    pub const fn plan(&self) -> Option<&Plan> {
+        self.brain.plan()
+    }
+
     /// Common clock at the newest telemetry, Unix time in ms.
     #[must_use]
     pub fn common_ms(&self) -> Option<i64> {

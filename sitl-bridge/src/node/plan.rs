@@ -50,6 +50,12 @@ impl Plan {
         }
     }
 
+    /// Velocity measured when it was decided, east and north, m/s.
+    #[must_use]
+    pub const fn measured_mps(&self) -> [f64; 2] {
+        self.from_mps
+    }
+
     /// Velocity (mm/s) and acceleration (mm/s²) at a time of the vehicle.
     #[must_use]
     pub fn at(&self, boot_ms: u32, feed_forward: FeedForward) -> (Vector, Vector) {

@@ -12,6 +12,7 @@ use crate::signing::Session;
 use crate::swarm_link::{SwarmAddress, SwarmSocket, system_of};
 use crate::tlog::TlogWriter;
 use covey_env::{EpisodeMetrics, World};
+use covey_report::atomic;
 use firmware_core::gate::Limits;
 use firmware_core::geometry::State;
 use serde_json::{Value, json};
@@ -116,9 +117,18 @@ pub(super) fn fly(
                 flight.counters.add(&counters);
             }
         }
+        keep_mission(sim, index, &mission, epoch_ms.load(Ordering::Relaxed))?;
         account(sim, index, world, &mut flight);
         Ok(flight)
     })
+}
+
+/// Puts the mission as it was flown beside the recordings, which can be replayed with it.
+fn keep_mission(sim: &Simulation<'_>, index: u64, mission: &Mission, epoch_unix_ms: i64) -> Result<(), SimError> {
+    let Some(folder) = &sim.tlogs else { return Ok(()) };
+    let flown = Mission { epoch_unix_ms, ..mission.clone() };
+    let text = flown.to_toml(&format!("World {index} of seed {}, as it was flown", sim.seed));
+    Ok(atomic::write(folder.join(format!("world-{index}.toml")), text.as_bytes())?)
 }
 
 fn open_links(sim: &Simulation<'_>, index: u64, uavs: usize) -> Result<Vec<Links>, SimError> {

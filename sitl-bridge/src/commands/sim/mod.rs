@@ -78,6 +78,9 @@ pub enum SimError {
     /// Somebody began late.
     #[error("UAV {0} missed the beginning of step 0; is the computer overloaded?")]
     MissedStart(usize),
+    /// The mission could not be put beside the recordings.
+    #[error(transparent)]
+    Write(#[from] covey_report::atomic::WriteError),
     /// It was stopped from outside.
     #[error("stopped")]
     Stopped,
@@ -114,7 +117,8 @@ pub struct Simulation<'a> {
     pub fleet: serde_json::Map<String, serde_json::Value>,
     /// First sequence number of neighbour messages; by the clock when left out.
     pub sequence: Option<u16>,
-    /// Where nodes record their traffic: `world-W-uav-I.tlog` in this folder.
+    /// Where nodes record their traffic: `world-W-uav-I.tlog` in this folder, beside the world's
+    /// mission, `world-W.toml`.
     pub tlogs: Option<PathBuf>,
     /// Tell everything.
     pub verbose: bool,

@@ -1,0 +1,156 @@
+//! `replay`: a recorded flight, decided again.
+
+use super::actor_file::flight_ready;
+use super::common::{ActorArgs, TimingArgs};
+use crate::frame::Source;
+use crate::mission::{Mission, PoiMap};
+use crate::node::{FeedForward, Node, Settings, gate_limits};
+use crate::replay::{Account, Judge, Replay, Survey};
+use crate::signing::{LinkSigning, Session};
+use crate::tlog::TlogReader;
+use firmware_core::gate::Limits;
+use miette::{IntoDiagnostic as _, Result, WrapErr as _, miette};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+/// Differences told one by one; of more only the number is.
+const TOLD: usize = 20;
+/// Exit status when there is no answer, as of `diff`.
+const TROUBLE: u8 = 2;
+
+/// Arguments of `replay`. It ends with 0 when every decision is the same, with 1 when one
+/// differs, and with 2 when the recording cannot be replayed.
+#[derive(clap::Args)]
+pub struct ReplayTlog {
+    /// The recording, from `fly --tlog` or `swarm --tlog`.
+    file: PathBuf,
+    /// The mission that was flown; `swarm --sim --tlog` puts it beside the recordings.
+    #[arg(long)]
+    mission: PathBuf,
+    /// The UAV's id, where the recording leaves a doubt.
+    #[arg(long)]
+    id: Option<u16>,
+    /// The node's MAVLink system id, where the recording leaves a doubt.
+    #[arg(long)]
+    system: Option<u8>,
+    /// The flight had this option too.
+    #[arg(long)]
+    simulated: bool,
+    /// The flight had this option too.
+    #[arg(long, conflicts_with = "simulated")]
+    ideal: bool,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    actor: ActorArgs,
+    #[command(flatten)]
+    timing: TimingArgs,
+}
+
+impl ReplayTlog {
+    /// Replays, and says what came of it.
+    pub fn run(self) -> ExitCode {
+        match self.replay() {
+            Ok(true) => ExitCode::SUCCESS,
+            Ok(false) => ExitCode::FAILURE,
+            Err(report) => {
+                eprintln!("Error: {report:?}");
+                ExitCode::from(TROUBLE)
+            }
+        }
+    }
+
+    fn replay(&self) -> Result<bool> {
+        let (bytes, name) = self.actor.read().into_diagnostic()?;
+        let actor = flight_ready(&bytes, &name).into_diagnostic()?;
+        let mission = Arc::new(Mission::read(&self.mission).into_diagnostic()?);
+        let file = || format!("{} cannot be replayed", self.file.display());
+        let open = || TlogReader::open(&self.file).into_diagnostic().wrap_err_with(file);
+        let survey = Survey::of(&mut open()?, self.id, self.system).into_diagnostic().wrap_err_with(file)?;
+        let base = if self.ideal {
+            Limits::ideal()
+        } else if self.simulated {
+            Limits::simulation()
+        } else {
+            Limits::default()
+        };
+        let feed_forward = if self.ideal { FeedForward::Action } else { FeedForward::Ramp };
+        let settings = Settings {
+            id: survey.id,
+            system: survey.system,
+            actor,
+            pois: Arc::new(PoiMap::new(&mission.pois)),
+            timing: self.timing.timing(mission.scale.step_ms)?,
+            // PX4 takes OFFBOARD only from a stream; to ArduPilot it makes no difference here.
+            limits: Limits { stream_before_mode: true, ..gate_limits(base, &mission) },
+            feed_forward,
+            take_off: survey.took_off,
+            rate_hz: f64::from(self.timing.rate_hz()),
+            source: Source::Datagrams,
+            // Only what was believed is in the log.
+            autopilot_signing: LinkSigning::off(),
+            swarm_signing: LinkSigning::off(),
+            record: false,
+            advice: String::new(),
+            mission: Arc::clone(&mission),
+        };
+        let node = Node::new(settings, Session::new()).into_diagnostic()?;
+        let mut replay = Replay::new(node, survey, Judge::new(survey.id, mission.scale, feed_forward));
+        for record in open()? {
+            replay.take(&record.into_diagnostic().wrap_err_with(file)?);
+        }
+        let account = replay.finish();
+        if let Some(flown) = account.flown_actor.filter(|&flown| flown != actor.message_hash()) {
+            eprintln!(
+                "warning: actor {flown:08x} was flown, and {} is {:08x}: name the other with --actor",
+                name.display(),
+                actor.message_hash()
+            );
+        }
+        self.tell(&survey, &account)?;
+        if account.decisions == 0 && account.is_equal() {
+            return Err(miette!(
+                "no decision was made: mission {} begins step 0 at Unix time {} ms, and the recording has no position \
+                 in the air after that; is it the mission that was flown?",
+                self.mission.display(),
+                mission.epoch_unix_ms
+            ));
+        }
+        Ok(account.is_equal())
+    }
+
+    fn tell(&self, survey: &Survey, account: &Account) -> Result<()> {
+        if survey.skipped > 0 {
+            eprintln!(
+                "warning: {}: {} bytes belong to no record: it is damaged, and frames are missing",
+                self.file.display(),
+                survey.skipped
+            );
+        }
+        if survey.cut {
+            eprintln!(
+                "warning: {}: it ends in the middle of a record, as after a power cut; what came before is used",
+                self.file.display()
+            );
+        }
+        if self.json {
+            let object = serde_json::json!({
+                "file": self.file, "uav": survey.id, "records": survey.records, "skipped_bytes": survey.skipped,
+                "cut": survey.cut, "equal_in_all": account.is_equal(), "account": account,
+            });
+            println!("{}", serde_json::to_string_pretty(&object).into_diagnostic()?);
+            return Ok(());
+        }
+        println!(
+            "UAV {}: {} frames, {} decisions: {} of {} as they were flown, {} without a setpoint",
+            survey.id, survey.records, account.decisions, account.equal, account.compared, account.without_setpoint
+        );
+        account.differences.iter().take(TOLD).for_each(|difference| println!("{difference}"));
+        if account.differences.len() > TOLD {
+            println!("and {} more", account.differences.len() - TOLD);
+        }
+        Ok(())
+    }
+}

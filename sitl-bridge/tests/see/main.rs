@@ -1,0 +1,5 @@
+//! What people see of a flight: recordings that other tools read, and that can be decided again.
+
+mod recording;
+mod replay;
+mod sim;
