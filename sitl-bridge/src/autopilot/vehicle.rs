@@ -12,6 +12,8 @@ const DISAGREE_MM: f64 = 1000.0;
 /// … and this share of the distance from the estimator's origin: autopilots scale degrees
 /// differently.
 const DISAGREE_SHARE: f64 = 0.01;
+/// No UAV is higher or deeper, mm: also keeps sums of altitudes within 32 bits.
+const HIGHEST_MM: u32 = 100_000_000;
 /// Two messages of times no farther apart than this tell of the same moment, ms: an autopilot
 /// stamps each as it is sent.
 const SAME_MS: u32 = 5;
@@ -148,7 +150,8 @@ impl Vehicle {
             return Heard::Noted;
         }
         let done = |heard| if tick == Tick::Restarted { Heard::Restarted } else { heard };
-        let Some(place) = self.plane.place(global.lat_e7, global.lon_e7) else {
+        let sane = [global.alt_mm, global.relative_mm].iter().all(|mm| mm.unsigned_abs() <= HIGHEST_MM);
+        let Some(place) = self.plane.place(global.lat_e7, global.lon_e7).filter(|_| sane) else {
             self.refused = true;
             return done(Heard::Noted);
         };

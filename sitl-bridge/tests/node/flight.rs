@@ -96,7 +96,7 @@ impl Flight {
         self.wall_ms += WALL_MS;
         let now = self.now();
         for frame in self.vehicle.tick() {
-            assert!(self.node.hear_autopilot(frame.bytes(), now, &mut self.out));
+            assert!(self.node.hear_autopilot(frame.bytes(), now, &mut self.out), "the vehicle is not answered");
         }
         self.turn()
     }
@@ -120,6 +120,13 @@ impl Flight {
         self.told.extend(told.iter().map(|&frame| (self.vehicle.boot_ms, frame)));
         self.out.clear();
         told
+    }
+
+    /// Something of the autopilot between two ticks.
+    pub fn hear_autopilot(&mut self, frame: &Frame) {
+        let now = self.now();
+        self.node.hear_autopilot(frame.bytes(), now, &mut self.out);
+        self.turn();
     }
 
     pub fn hear_swarm(&mut self, frame: &Frame) {

@@ -1,6 +1,7 @@
 //! Nodes against scripted vehicles, in virtual time, through the public interface.
 
 mod flight;
+mod robust;
 mod vehicle;
 
 use firmware_core::gate::Reason;
