@@ -165,8 +165,9 @@ settings! {
     feature: u16 = 64, "2 to 64, even", |v| (2..=64).contains(v) && v % 2 == 0;
     /// Width of the hidden layer of the policy and value heads.
     head: u16 = 64, "2 to 128, even", |v| (2..=128).contains(v) && v % 2 == 0;
-    /// Steps for which a UAV keeps its tie-breaker.
-    tie_period: u32 = 1, "1 to 1000000", |v| (1..=1_000_000).contains(v);
+    /// Steps for which a UAV keeps its tie-breaker: who goes first stays so for a whole flight
+    /// when this is longer than one.
+    tie_period: u32 = 1_000_000, "1 to 1000000", |v| (1..=1_000_000).contains(v);
     /// Greatest share of messages between UAVs that is lost in training: each episode of each
     /// world draws its own from 0 to this. 0 for a link that loses none.
     link_loss: f64 = 0.0, "0 to 1", |v| (0.0..=1.0).contains(v);
@@ -176,7 +177,7 @@ settings! {
     /// Seed of everything random in the run.
     seed: u64 = 10, "0 to 9223372036854775807", |v| i64::try_from(*v).is_ok();
     /// Training episodes, at most: whole rounds of `worlds`, at least one.
-    episodes: u32 = 1500, "1 to 100000000", |v| (1..=100_000_000).contains(v);
+    episodes: u32 = 3072, "1 to 100000000", |v| (1..=100_000_000).contains(v);
     /// Worlds that run side by side: one round is an episode of each.
     worlds: u32 = 64, "1 to 65536", |v| (1..=65_536).contains(v);
     /// Steps between updates; must divide `steps`.
@@ -194,7 +195,7 @@ settings! {
     learning_rate_end: f64 = 0.1, "0 to 1", |v| (0.0..=1.0).contains(v);
     /// Discount of future reward, per step. 1 with `lambda` 1 and `segment` = `steps` is
     /// the paper's return.
-    gamma: f64 = 0.98, "0 to 1", |v| (0.0..=1.0).contains(v);
+    gamma: f64 = 0.97, "0 to 1", |v| (0.0..=1.0).contains(v);
     /// Lambda of generalised advantage estimation.
     lambda: f64 = 0.95, "0 to 1", |v| (0.0..=1.0).contains(v);
     /// Whether the last state of an episode counts with its value (episodes end by
@@ -218,9 +219,9 @@ settings! {
     /// Weight of the planner's advice at the start: how strongly the policy is pulled towards
     /// the action that the planner would take in its place (cross-entropy). It falls linearly
     /// to 0; 0 learns without advice.
-    teacher: f64 = 0.0, "0 to 100", |v| (0.0..=100.0).contains(v);
+    teacher: f64 = 1.0, "0 to 100", |v| (0.0..=100.0).contains(v);
     /// Episodes until the advice ends.
-    teacher_episodes: u32 = 640, "1 to 100000000", |v| (1..=100_000_000).contains(v);
+    teacher_episodes: u32 = 960, "1 to 100000000", |v| (1..=100_000_000).contains(v);
     /// Share of the averaged weights kept at each update; the exported actor is this running
     /// average of the trained one. 0 exports the last weights.
     averaging: f64 = 0.95, "0 to 0.9999", |v| (0.0..=0.9999).contains(v);
