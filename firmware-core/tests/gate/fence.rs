@@ -78,7 +78,7 @@ fn is_inside(fence: &Fence, (x, y): (f64, f64)) -> bool {
             (ax * by - ay * bx).atan2(ax * bx + ay * by)
         })
         .sum();
-    let in_polygon = corners.is_empty() || turned.abs() > std::f64::consts::PI;
+    let in_polygon = corners.is_empty() || turned.abs() > PI;
     let in_circle = fence
         .outer_circle()
         .is_none_or(|c| (x - f64::from(c.centre.east)).hypot(y - f64::from(c.centre.north)) <= f64::from(c.radius_mm));
@@ -243,7 +243,7 @@ fn fences() -> impl Strategy<Value = Fence> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases / 4, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases / 8, ..ProptestConfig::default() })]
 
     #[test]
     fn no_vehicle_enters_the_margin(fence in fences(), vehicle in vehicles(), actor in actors(), losses: u64) {

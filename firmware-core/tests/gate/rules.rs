@@ -276,6 +276,8 @@ impl Rules {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases / 4, ..ProptestConfig::default() })]
+
     #[test]
     fn the_rules_hold_whatever_happens(steps in steps(), limits in all_limits()) {
         let mut gate = gate(limits);
