@@ -2,6 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use covey_env::radio::LinkSettings;
+use firmware_core::observation::LEN;
 use std::path::PathBuf;
 
 /// Train, measure and export Covey's policy.
@@ -296,6 +297,16 @@ pub struct Bench {
     /// Runs of each stage; the medians are printed.
     #[arg(long, value_name = "N", default_value_t = 3)]
     pub repeats: u32,
+    /// Numbers of the observation that the networks take, the first ones: 1 to 160.
+    #[arg(long, value_name = "N", default_value_t = LEN as u16, value_parser = clap::value_parser!(u16).range(1..=LEN as i64))]
+    pub inputs: u16,
+    /// Another program's measurement, a command for the shell: it and training take turns,
+    /// and the ratios of the rates are printed.
+    #[arg(long, value_name = "COMMAND")]
+    pub against: Option<String>,
+    /// What stands before the rate in the output of --against: the last number after it counts.
+    #[arg(long, value_name = "TEXT", default_value = "agent_steps_per_s", requires = "against")]
+    pub marker: String,
     /// Sets one setting; may be repeated.
     #[arg(long, value_name = "key=value")]
     pub set: Vec<String>,

@@ -266,6 +266,32 @@ impl Product<'_> {
     }
 }
 
+/// Multiply-adds that depend on nothing in memory, as many at a time as keep a core's
+/// units busy: the peak that products are measured against. Returns how many it did.
+#[must_use]
+pub fn multiply_adds(rounds: u64) -> u64 {
+    struct Chains(u64);
+    impl Vectorised for Chains {
+        type Output = u64;
+        #[inline(always)]
+        fn call(self) -> u64 {
+            const CHAINS: usize = 12;
+            let (factor, term) = (std::hint::black_box(0.5f32), std::hint::black_box(1.0f32));
+            let mut sums = [[0.0f32; LANES]; CHAINS];
+            for _ in 0..self.0 {
+                for chain in &mut sums {
+                    for s in chain {
+                        *s = s.mul_add(factor, term);
+                    }
+                }
+            }
+            std::hint::black_box(sums);
+            self.0 * (CHAINS * LANES) as u64
+        }
+    }
+    vectorised(Chains(rounds))
+}
+
 /// Turns a row of bytes, whole eights of them, into floats times `scale`; bit k mod 64 of
 /// word k/64 tells whether byte k is not zero.
 ///

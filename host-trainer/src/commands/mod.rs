@@ -1,11 +1,13 @@
 //! What the commands do.
 
+mod against;
 mod bench;
 mod boards;
 mod eval;
 mod experiment;
 mod export;
 mod inspect;
+mod machine;
 mod report;
 mod train;
 

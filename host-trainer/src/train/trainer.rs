@@ -162,7 +162,16 @@ impl Trainer {
     /// # Errors
     /// When the scenario or the link cannot be built.
     pub fn new(settings: Settings) -> Result<Self, OverLinkError> {
-        let layouts = Self::layouts(&settings);
+        Self::with_inputs(settings, observation::LEN as u16)
+    }
+
+    /// A fresh run of networks that take only the first `inputs` numbers of an observation:
+    /// for comparisons; what they learn cannot be exported.
+    ///
+    /// # Errors
+    /// When the scenario or the link cannot be built.
+    pub fn with_inputs(settings: Settings, inputs: u16) -> Result<Self, OverLinkError> {
+        let layouts = layouts(&settings, inputs);
         let actor = initialise(&layouts[0], "actor weights", settings.seed);
         let state = State {
             rounds: 0,
@@ -173,7 +182,7 @@ impl Trainer {
             critic_adam: Adam::new(layouts[1].len()),
             norm: ValueNorm::default(),
         };
-        Self::resume(settings, state)
+        Self::assemble(settings, state, inputs)
     }
 
     /// A run that goes on from `state`, which must be of these settings.
@@ -181,23 +190,26 @@ impl Trainer {
     /// # Errors
     /// When the scenario or the link cannot be built.
     pub fn resume(settings: Settings, state: State) -> Result<Self, OverLinkError> {
+        Self::assemble(settings, state, observation::LEN as u16)
+    }
+
+    fn assemble(settings: Settings, state: State, inputs: u16) -> Result<Self, OverLinkError> {
         let (worlds, shards) = (settings.worlds as usize, settings.shards as usize);
         let shards: Vec<_> = (0..shards)
             .map(|k| Shard::new(&settings, (k + 1) * worlds / shards - k * worlds / shards))
             .collect::<Result<_, _>>()?;
-        let layouts = Self::layouts(&settings);
+        let layouts = layouts(&settings, inputs);
         let mut nets = Networks::new(&layouts, settings.graph.0);
         nets.actor.load(&state.actor);
         nets.critic.load(&state.critic);
-        let work = shards.iter().map(|_| Workspace::new(&layouts, observation::LEN)).collect();
+        let work = shards.iter().map(|_| Workspace::new(&layouts, inputs.into())).collect();
         Ok(Self { settings, state, shards, nets, work })
     }
 
     /// Layouts of actor and critic.
     #[must_use]
     pub fn layouts(s: &Settings) -> [Layout; 2] {
-        let d = dimensions(s);
-        [Layout::actor(d, s.graph.0), Layout::critic(d)]
+        layouts(s, observation::LEN as u16)
     }
 
     /// The settings.
@@ -376,4 +388,9 @@ pub fn dimensions(s: &Settings) -> Dimensions {
         head: s.head,
         actions: ACTIONS as u16,
     }
+}
+
+fn layouts(s: &Settings, inputs: u16) -> [Layout; 2] {
+    let d = Dimensions { observation: inputs, ..dimensions(s) };
+    [Layout::actor(d, s.graph.0), Layout::critic(d)]
 }
