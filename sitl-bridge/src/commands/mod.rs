@@ -9,7 +9,7 @@ mod sim;
 mod swarm;
 
 pub use actor_file::ActorFileError;
-pub use sim::{Fleet, FleetError, SimError, Simulation, WorldFlight, find_python};
+pub use sim::{Fleet, FleetError, Page, PageError, SimError, Simulation, WorldFlight, find_python};
 
 use clap::Parser;
 use miette::IntoDiagnostic as _;

@@ -3,7 +3,7 @@
 use super::actor_file::flight_ready;
 use super::common::{ActorArgs, Console, SigningArgs, TimingArgs, stop_flag};
 use super::fly::parting;
-use super::sim::{Simulation, WorldFlight, find_python};
+use super::sim::{Page, Simulation, WorldFlight, find_python};
 use crate::connection::{Address, Connection};
 use crate::mission::{Mission, PoiMap};
 use crate::node::run::{Control, Links, Report, run};
@@ -115,6 +115,9 @@ struct SimArgs {
     /// Python with the packages of the simulated autopilots.
     #[arg(long)]
     python: Option<PathBuf>,
+    /// Page that plays the flights beside the trainer's of the same worlds, an HTML file.
+    #[arg(long, value_name = "FILE", requires = "sim")]
+    report: Option<PathBuf>,
     /// JSON object set over the fleet's configuration, such as '{"wind": [3, 0]}'.
     #[arg(long, requires = "sim", value_parser = object)]
     fleet: Option<serde_json::Map<String, serde_json::Value>>,
@@ -166,14 +169,22 @@ impl Swarm {
             ..Simulation::new(actor, scenario)
         };
         let json = self.json;
+        let mut page = args.report.map(|path| (path, Page::default(), Ok(())));
         let summary =
             simulation.run(args.first_world..args.first_world.saturating_add(args.worlds), stop, |index, flight| {
+                if let Some((_, page, made)) = page.as_mut().filter(|(.., made)| made.is_ok()) {
+                    *made = page.add(&simulation, index, flight);
+                }
                 eprintln!("{}", line(index, flight));
                 if let (Some(difference), true) = (&flight.first_difference, self.verbose || args.ideal) {
                     eprintln!("  the first other decision: {difference}");
                 }
             });
         let summary = summary.into_diagnostic()?;
+        if let Some((path, page, made)) = page {
+            made.and_then(|()| page.write(&path, &simulation, &summary)).into_diagnostic()?;
+            eprintln!("{} plays the flight{}", path.display(), if summary.worlds == 1 { "" } else { "s" });
+        }
         if json {
             println!("{}", serde_json::to_string_pretty(&summary).into_diagnostic()?);
         } else {

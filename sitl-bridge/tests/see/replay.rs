@@ -13,8 +13,8 @@ use std::process::Output;
 use tempfile::TempDir;
 
 const V2_EXTENSION: u32 = 248;
-/// Offset of a beacon's position east in V2_EXTENSION's payload.
-const EAST: usize = 5 + 14;
+/// Offset of a feature's values in V2_EXTENSION's payload.
+const VALUES: usize = 5 + 18;
 
 fn replay(file: &Path, folder: &Path, options: &[&str]) -> Output {
     let mission = folder.join("world-0.toml");
@@ -46,7 +46,7 @@ fn pair() -> (u16, u16) {
     let beacons: Vec<_> = records(&tlog(flown(), 0))
         .iter()
         .filter_map(|record| match neighbour_message(&record.frame)? {
-            Message::Beacon(beacon) if beacon.header().step == 4 => Some((beacon.header().id, beacon.position())),
+            Message::Beacon(beacon) if beacon.header().step == 4 => Some((beacon.header().id, beacon.state().position)),
             _ => None,
         })
         .collect();
@@ -109,27 +109,27 @@ fn another_actor_decides_otherwise() {
 }
 
 #[test]
-fn a_message_that_says_something_else_is_noticed_in_its_step() {
-    let mut records = records(&tlog(flown(), 2));
-    // The beacon of a neighbour in step 4, moved by ten units.
-    let beacon = |frame: &Frame| {
-        is_told_by(frame, 1)
-            && neighbour_message(frame).is_some_and(|m| m.header().step == 4)
-            && frame.payload().len() < 40
+fn messages_that_say_something_else_are_noticed() {
+    let (uav, neighbour) = pair();
+    let mut records = records(&tlog(flown(), uav));
+    // From step 4 on the neighbour's features are others.
+    let is_feature = |frame: &Frame| {
+        is_told_by(frame, neighbour)
+            && matches!(neighbour_message(frame), Some(Message::Feature(f)) if f.header().step >= 4)
     };
-    let at = records.iter().position(|record| beacon(&record.frame)).expect("a beacon");
-    let frame = records[at].frame;
-    let mut payload = frame.payload().to_vec();
-    let east = i32::from_le_bytes(*payload[EAST..].first_chunk().unwrap());
-    payload[EAST..EAST + 4].copy_from_slice(&(east + 2 * 1024).to_le_bytes());
-    let mut encoder = Encoder::new(frame.system(), frame.component());
-    records[at].frame = encoder.encode_payload(V2_EXTENSION, &payload).unwrap();
+    for record in records.iter_mut().filter(|record| is_feature(&record.frame)) {
+        let mut payload = record.frame.payload().to_vec();
+        payload[VALUES..].iter_mut().for_each(|value| *value ^= 0x7f);
+        let mut encoder = Encoder::new(record.frame.system(), record.frame.component());
+        record.frame = encoder.encode_payload(V2_EXTENSION, &payload).unwrap();
+    }
     let (_folder, path) = written(&records);
     let output = replay(&path, flown(), &["--simulated", "--json"]);
     let told = account(&output);
     assert_eq!(output.status.code(), Some(1), "{told}");
-    let steps: Vec<_> = told["account"]["differences"].as_array().unwrap().iter().map(|d| d["step"].as_u64()).collect();
-    assert_eq!(steps[0], Some(4), "{told}");
+    let differences = told["account"]["differences"].as_array().unwrap();
+    assert!(differences.iter().all(|d| d["step"].as_u64() >= Some(4) && d["kind"] == "action"), "{told}");
+    assert!(differences.iter().all(|d| d["recorded"] != d["replayed"] && d["uav"] == uav), "{told}");
 }
 
 #[test]

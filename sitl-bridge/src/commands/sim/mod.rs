@@ -5,10 +5,12 @@ mod account;
 mod director;
 mod fleet;
 mod flight;
+mod page;
 mod trainer;
 
 pub use fleet::{Fleet, FleetError, find_python};
 pub use flight::WorldFlight;
+pub use page::{Page, PageError};
 
 use crate::connection::OpenError;
 use crate::mission::{Layers, Mission, Origin, OriginError, square_fence};
