@@ -138,15 +138,16 @@ impl Monitor {
         !(state.position - last.position).within(reach)
     }
 
-    /// Whether the position has stood still for too long. Once it does, only moving shows the opposite.
+    /// Whether the position has stood still for too long, by the times of the measurements: one that is only old
+    /// tells nothing about that. Once it does, only moving shows the opposite.
     fn stands(&mut self, state: &Measured, tick: &Tick<'_>) -> bool {
         let Some(frozen_ms) = tick.limits.frozen_ms else { return false };
-        let (place, since) = *self.anchor.get_or_insert((state.position, tick.now_ms));
+        let (place, since) = *self.anchor.get_or_insert((state.position, state.time_ms));
         let moved = !(state.position - place).within(MOVED_MM);
         let moving = !state.velocity.within(MOVING_MM_S - 1) || !tick.commanded.within(MOVING_MM_S - 1);
         if moved || !(moving || self.standing) || !tick.inputs.airborne {
-            (self.anchor, self.standing) = (Some((state.position, tick.now_ms)), false);
-        } else if age_ms(tick.now_ms, since) >= frozen_ms {
+            (self.anchor, self.standing) = (Some((state.position, state.time_ms)), false);
+        } else if age_ms(state.time_ms, since) >= frozen_ms {
             self.standing = true;
         }
         self.standing

@@ -178,6 +178,18 @@ fn a_vehicle_that_hovers_is_not_frozen() {
 }
 
 #[test]
+fn a_vehicle_that_stopped_unseen_is_not_frozen() {
+    let mut bench = Bench::in_flight(Limits::default());
+    bench.measuring = false;
+    assert_eq!(bench.run(5000), Verdict::Silent(Reason::StateStale));
+    // The autopilot has stopped it meanwhile: it stands where it was last seen flying, and soon flies on.
+    bench.inputs.state.as_mut().unwrap().velocity = Vector::ZERO;
+    bench.measuring = true;
+    let verdict = bench.run(Limits::default().clear_ms + 2 * TICK_MS);
+    assert!(matches!(verdict, Verdict::Stream(_)), "{verdict:?}");
+}
+
+#[test]
 fn a_short_gap_in_the_link_is_flown_over() {
     let mut bench = Bench::in_flight(Limits::default());
     bench.linked = false;
