@@ -62,6 +62,13 @@ pub struct Thought {
     pub decision: Option<Decision>,
 }
 
+/// Messages are counted by their kind.
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Beacon,
+    Feature,
+}
+
 /// A step under way.
 #[derive(Clone, Debug)]
 struct Step {
@@ -97,8 +104,8 @@ pub struct Brain<'a> {
     step: Option<Step>,
     /// Messages of steps that have not begun here yet.
     early: Vec<Message>,
-    /// Next sequence number, once something was sent.
-    sequence: Option<u16>,
+    /// Next sequence numbers of beacons and of features, once one was sent.
+    sequences: [Option<u16>; 2],
     plan: Option<Plan>,
     /// Counts.
     pub counters: Counters,
@@ -122,7 +129,7 @@ impl<'a> Brain<'a> {
             view: Neighbours::new(),
             step: None,
             early: Vec::new(),
-            sequence: None,
+            sequences: [None; 2],
             plan: None,
             counters: Counters::default(),
         }
@@ -139,7 +146,7 @@ impl<'a> Brain<'a> {
     /// Sequence numbers go on from here. Otherwise they begin with the common clock, in tenths
     /// of a second, so that a node that starts again is newer than it was.
     pub const fn set_sequence(&mut self, next: u16) {
-        self.sequence = Some(next);
+        self.sequences = [Some(next); 2];
     }
 
     /// Forgets the step, the plan and the neighbours: the clock is another one.
@@ -235,12 +242,12 @@ impl<'a> Brain<'a> {
         if i64::from(step.beacons) <= due {
             step.beacons = due as u32 + 1;
             let tie = self.actor.tie_breaker(self.mission.policy_seed, self.id, step.moment.step);
-            let header = self.header(step.moment.step, sample.common_ms);
+            let header = self.header(Kind::Beacon, step.moment.step, sample.common_ms);
             thought.messages.push(Message::Beacon(Beacon::new(header, sample.common_ms as u32, sample.state, tie)));
         }
         if step.encoded.is_none() && phase_ms >= i64::from(self.timing.encode_ms) {
             let encoded = self.encode(&step);
-            let header = self.header(step.moment.step, sample.common_ms);
+            let header = self.header(Kind::Feature, step.moment.step, sample.common_ms);
             let feature = message::Feature::of(header, encoded.degree, &self.actor, &encoded.feature);
             thought.messages.extend(feature.map(Message::Feature));
             step.encoded = Some(encoded);
@@ -289,9 +296,10 @@ impl<'a> Brain<'a> {
         decision
     }
 
-    fn header(&mut self, step: u32, common_ms: i64) -> Header {
-        let sequence = self.sequence.unwrap_or((common_ms / 100) as u16);
-        self.sequence = Some(sequence.wrapping_add(1));
+    fn header(&mut self, kind: Kind, step: u32, common_ms: i64) -> Header {
+        let next = &mut self.sequences[kind as usize];
+        let sequence = next.unwrap_or((common_ms / 100) as u16);
+        *next = Some(sequence.wrapping_add(1));
         Header { id: self.id, sequence, step }
     }
 }
