@@ -51,3 +51,31 @@ fn a_missing_file_is_named() {
     let refused = node(&["self-test"], Path::new("no-such.actor"));
     assert!(!refused.status.success() && text(&refused.stderr).contains("no-such.actor"));
 }
+
+#[test]
+fn a_damaged_actor_never_flies() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mission, damaged) = (folder.path().join("m.toml"), folder.path().join("damaged.actor"));
+    let sound = std::fs::read(sample("gcn")).unwrap();
+    let bridge =
+        |args: &[&std::ffi::OsStr]| Command::new(env!("CARGO_BIN_EXE_sitl-bridge")).args(args).output().unwrap();
+    std::fs::write(&mission, bridge(&["mission".as_ref()]).stdout).unwrap();
+    // A bit anywhere, and an end anywhere.
+    let flipped = (0..12).map(|i| {
+        let mut bytes = sound.clone();
+        let at = i * (bytes.len() - 1) / 11;
+        bytes[at] ^= 1 << (i % 8);
+        bytes
+    });
+    let cut = [0, 1, sound.len() / 2, sound.len() - 1].map(|len| sound[..len].to_vec());
+    for bytes in flipped.chain(cut) {
+        std::fs::write(&damaged, bytes).unwrap();
+        let (mission, damaged) = (mission.as_os_str(), damaged.as_os_str());
+        let fly = ["fly", "--id", "0", "--takeoff", "--autopilot", "udpin:127.0.0.1:0"].map(std::ffi::OsStr::new);
+        let refused = bridge(&[&fly[..], &["--mission".as_ref(), mission, "--actor".as_ref(), damaged]].concat());
+        let said = text(&refused.stderr);
+        assert!(!refused.status.success() && said.contains("no actor file that can fly"), "{said}");
+        // It ends before any link is opened, so the autopilot never hears of it.
+        assert!(!said.contains("autopilot:") && refused.stdout.is_empty(), "{said}");
+    }
+}

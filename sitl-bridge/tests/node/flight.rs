@@ -11,7 +11,7 @@ use sitl_bridge::node::{Decision, FeedForward, Node, Now, Outbox, Settings, Step
 use sitl_bridge::signing::{LinkSigning, Session};
 use std::sync::Arc;
 
-/// Host time that a tick takes, ms: the simulation runs at twenty times real time.
+/// Host time that a tick takes in a simulation, ms: it runs at twenty times real time.
 const WALL_MS: u64 = 10;
 
 pub fn actor() -> Actor<'static> {
@@ -59,10 +59,14 @@ pub struct Flight {
     pub node: Node<'static>,
     pub vehicle: Vehicle,
     pub wall_ms: u64,
+    /// Host time that a tick takes, ms.
+    pub wall_ms_a_tick: u64,
     out: Outbox,
     pub notices: Vec<Notice>,
     pub begun: Vec<StepBegun>,
     pub decisions: Vec<Decision>,
+    /// Frames for the autopilot that a cut link lost.
+    pub lost: Vec<Frame>,
     /// Frames for the swarm and the vehicle's time when they were sent.
     pub told: Vec<(u32, Frame)>,
 }
@@ -75,14 +79,21 @@ impl Flight {
     pub fn at(id: u16, dialect: Dialect, take_off: bool, place: Vec2) -> Self {
         let mission = mission();
         let settings = settings(id, &mission, take_off, dialect == Dialect::Px4);
+        Self::with(settings, dialect, place)
+    }
+
+    pub fn with(settings: Settings<'static>, dialect: Dialect, place: Vec2) -> Self {
+        let real_time = settings.limits.real_time;
         Self {
+            vehicle: Vehicle::new(dialect, &settings.mission, place),
             node: Node::new(settings, Session::new()).unwrap(),
-            vehicle: Vehicle::new(dialect, &mission, place),
             wall_ms: 1_000_000,
+            wall_ms_a_tick: if real_time { u64::from(TICK_MS) } else { WALL_MS },
             out: Outbox::default(),
             notices: Vec::new(),
             begun: Vec::new(),
             decisions: Vec::new(),
+            lost: Vec::new(),
             told: Vec::new(),
         }
     }
@@ -93,12 +104,23 @@ impl Flight {
 
     /// One tick of the vehicle; returns what the node told the swarm.
     pub fn tick(&mut self) -> Vec<Frame> {
-        self.wall_ms += WALL_MS;
+        self.wall_ms += self.wall_ms_a_tick;
         let now = self.now();
         for frame in self.vehicle.tick() {
             assert!(self.node.hear_autopilot(frame.bytes(), now, &mut self.out), "the vehicle is not answered");
         }
         self.turn()
+    }
+
+    /// A tick of the vehicle with the link cut.
+    pub fn tick_unheard(&mut self) {
+        self.vehicle.tick();
+        self.wall_ms += self.wall_ms_a_tick;
+        let now = self.now();
+        self.node.tick(now, &mut self.out);
+        self.notices.append(&mut self.out.notices);
+        self.lost.append(&mut self.out.to_autopilot);
+        self.out.clear();
     }
 
     /// A turn of the node in which only the host's time passes.

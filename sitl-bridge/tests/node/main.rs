@@ -1,6 +1,8 @@
 //! Nodes against scripted vehicles, in virtual time, through the public interface.
 
+mod faults;
 mod flight;
+mod neighbours;
 mod robust;
 mod vehicle;
 

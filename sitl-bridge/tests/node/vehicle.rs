@@ -45,6 +45,12 @@ pub struct Vehicle {
     pub with_local: bool,
     /// LOCAL_POSITION_NED carries no numbers.
     pub broken: bool,
+    /// Kind of GPS fix.
+    pub gps_fix: u8,
+    /// Position and velocity go on being told as they were.
+    pub frozen: Option<(Place, [f64; 2])>,
+    /// No positions are sent.
+    pub without_positions: bool,
     encoder: Encoder,
     replies: Vec<Frame>,
     ticks: u32,
@@ -76,6 +82,9 @@ impl Vehicle {
             knows_time: true,
             with_local: true,
             broken: false,
+            gps_fix: 3,
+            frozen: None,
+            without_positions: false,
             encoder: Encoder::new(7, 1),
             replies: Vec::new(),
             ticks: 0,
@@ -104,7 +113,7 @@ impl Vehicle {
             estimator[at..].copy_from_slice(&flags.to_le_bytes());
             out.push(self.frame(id, &estimator));
             let mut gps = [0; 30];
-            gps[28] = 3;
+            gps[28] = self.gps_fix;
             out.push(self.frame(24, &gps));
             let mut status = [0; 31];
             status[30] = self.battery.to_le_bytes()[0];
@@ -114,11 +123,29 @@ impl Vehicle {
             let unix_us = if self.knows_time { self.unix_ms as u64 * 1000 } else { 0 };
             out.push(self.frame(2, &[&unix_us.to_le_bytes()[..], &self.boot_ms.to_le_bytes()].concat()));
         }
+        if self.without_positions {
+            return out;
+        }
         out.push(self.global());
         if self.with_local {
             out.push(self.local());
         }
         out
+    }
+
+    /// Whether the next tick tells of health, mode and time besides the position.
+    pub const fn is_about_to_tell(&self) -> bool {
+        self.ticks.is_multiple_of(5)
+    }
+
+    /// Horizontal, m/s.
+    pub fn speed(&self) -> f64 {
+        self.velocity[0].hypot(self.velocity[1])
+    }
+
+    /// What it tells of where it is and how fast.
+    fn told(&self) -> (Place, [f64; 2]) {
+        self.frozen.unwrap_or((self.place, self.velocity))
     }
 
     pub fn heartbeat(&mut self) -> Frame {
@@ -130,14 +157,15 @@ impl Vehicle {
     }
 
     fn global(&mut self) -> Frame {
-        let (lat, lon) = self.mission.plane.degrees_e7(self.place);
+        let (place, velocity) = self.told();
+        let (lat, lon) = self.mission.plane.degrees_e7(place);
         let alt = self.mission.plane.alt_mm + self.height_mm as i32;
         let mut payload = Vec::new();
         payload.extend(self.boot_ms.to_le_bytes());
         for v in [lat, lon, alt, self.height_mm as i32] {
             payload.extend(v.to_le_bytes());
         }
-        for v in [self.velocity[1], self.velocity[0], 0.0] {
+        for v in [velocity[1], velocity[0], 0.0] {
             payload.extend(((v * 100.0) as i16).to_le_bytes());
         }
         payload.extend([0; 2]);
@@ -146,15 +174,10 @@ impl Vehicle {
 
     fn local(&mut self) -> Frame {
         let metres = |mm: f64| (mm / 1000.0) as f32;
-        let north = if self.broken { f32::NAN } else { metres(self.place.north_mm) };
-        let numbers = [
-            north,
-            metres(self.place.east_mm),
-            -metres(self.height_mm),
-            self.velocity[1] as f32,
-            self.velocity[0] as f32,
-            0.0,
-        ];
+        let (place, velocity) = self.told();
+        let north = if self.broken { f32::NAN } else { metres(place.north_mm) };
+        let numbers =
+            [north, metres(place.east_mm), -metres(self.height_mm), velocity[1] as f32, velocity[0] as f32, 0.0];
         let mut payload = self.boot_ms.to_le_bytes().to_vec();
         numbers.iter().for_each(|v| payload.extend(v.to_le_bytes()));
         self.frame(32, &payload)
