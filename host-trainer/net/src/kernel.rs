@@ -252,7 +252,7 @@ impl Product<'_> {
                     let mut mask = 0;
                     for (c, s) in row.iter_mut().enumerate() {
                         // What is not a number stays so that it is noticed.
-                        mask |= u64::from(!(*s <= 0.0)) << c;
+                        mask |= u64::from(*s > 0.0 || s.is_nan()) << c;
                         *s = if *s <= 0.0 { 0.0 } else { *s };
                     }
                     masks[r * *step] = mask;

@@ -94,7 +94,7 @@ impl Swarm {
         for thread in self.threads.drain(..) {
             thread.join().expect("no panic").expect("links that can be waited on");
         }
-        let mut counters = vec![Counters::default(); 0];
+        let mut counters = Vec::new();
         let mut ended: Vec<_> = self.reports.try_iter().collect();
         ended.sort_by_key(|&(id, _)| id);
         for (_, report) in ended {

@@ -54,7 +54,6 @@ fn the_page_plays_the_flight_beside_the_trainers() {
         let document = document(&page, settings);
         assert_eq!((state(&document, "errors"), state(&document, "ready")), ("0", "1"));
         assert_eq!(state(&document, "step"), "8");
-    XX
         // Two worlds and their mean, flown and the trainer's.
         assert!(document.matches("class=\"line s").count() >= 6, "curves");
         state(&document, "coverage").to_owned()

@@ -173,6 +173,7 @@ unsafe fn three<const N: usize>(
                 _mm256_broadcast_ss(&*v.add(p.steps[0])),
                 _mm256_broadcast_ss(&*v.add(2 * p.steps[0])),
             ];
+            #[expect(clippy::needless_range_loop, reason = "fixed places keep the sums in registers")]
             for c in 0..N {
                 let w = _mm256_loadu_ps(w.add(LANES * c));
                 for k in 0..3 {
