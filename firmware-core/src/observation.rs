@@ -226,12 +226,10 @@ struct Seen {
 
 fn look(scene: &Scene<'_>, pois: impl IntoIterator<Item = Vec2>) -> Seen {
     let mut seen = Seen { nearest: Vec::new(), free: Free::default() };
-    let seniors: Vec<Vec2, MAX_NEIGHBOURS> =
-        scene.neighbours.as_slice().iter().filter(|n| !scene.goes_before(n)).map(|n| n.offset).collect();
     for p in pois {
         let offset = p - scene.own.position;
         let Some(d2) = offset.within(VIEW) else { continue };
-        let claimed = is_claimed(offset, &seniors);
+        let claimed = is_claimed(offset, scene);
         if !claimed {
             seen.free.add(offset);
         }
@@ -242,14 +240,14 @@ fn look(scene: &Scene<'_>, pois: impl IntoIterator<Item = Vec2>) -> Seen {
 
 const COVER: i32 = COVERAGE_RANGE_U * TICKS_PER_U;
 
-/// Whether a UAV at one of these offsets covers the PoI at this offset, which lies within
-/// the view.
-fn is_claimed(poi: Vec2, seniors: &[Vec2]) -> bool {
-    seniors.iter().any(|n| {
+/// Whether a neighbour that goes first covers the PoI at this offset, which lies within the view.
+fn is_claimed(poi: Vec2, scene: &Scene<'_>) -> bool {
+    scene.neighbours.as_slice().iter().any(|n| {
         // On each axis at most (13 + 18)·1,024 = 31,744 ticks, so the sum of squares
         // stays below 2³¹.
-        let (x, y) = (poi.x - n.x, poi.y - n.y);
-        x * x + y * y <= COVER * COVER
+        let (x, y) = (poi.x - n.offset.x, poi.y - n.offset.y);
+        // Few are near enough, so who goes first is asked last.
+        x * x + y * y <= COVER * COVER && !scene.goes_before(n)
     })
 }
 
