@@ -1,7 +1,7 @@
 //! Random sequences of inputs against plain rules that hold whatever happens.
 
 use firmware_core::gate::{
-    Fence, Gate, Inputs, Limits, Measured, Mode, Proposal, ROUNDING_MM_S, Request, SwarmLoss, Vector, Verdict,
+    Circle, Fence, Gate, Inputs, Limits, Measured, Mode, Proposal, ROUNDING_MM_S, Request, SwarmLoss, Vector, Verdict,
 };
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -293,6 +293,62 @@ proptest! {
         let (mut here, mut there) = (gate(limits), gate(limits));
         for (a, b) in play(&steps, 100_000, 5000).into_iter().zip(play(&steps, now, wall)) {
             prop_assert_eq!(here.tick(&a), there.tick(&b));
+        }
+    }
+}
+
+/// Settings from end to end of what is allowed, and fences as far away as can be.
+fn extremes() -> impl Strategy<Value = (Limits, Fence)> {
+    let end = |ends: [u32; 3]| prop::sample::select(ends.to_vec());
+    let rates = (end([100, 5000, 50_000]), end([100, 2500, 50_000]), end([0, 700, 20_000]), end([0, 3000, 1_000_000]));
+    let times = (end([10, 200, 1000]), end([1000, 3000, 5000]), end([0, 500, 3_600_000]), end([0, 2000, 3_600_000]));
+    let flags = (any::<bool>(), any::<bool>(), any::<bool>());
+    let fences = prop::sample::select(vec![
+        Fence::rectangle(Vector::new(-100_000_000, -100_000_000), Vector::new(100_000_000, 100_000_000)),
+        Fence::rectangle(Vector::new(99_900_000, -100_000_000), Vector::new(100_000_000, 100_000_000)),
+        Fence::polygon(&[Vector::new(0, 0), Vector::new(1, 0), Vector::new(0, 1)]),
+        Fence::circle(Circle { centre: Vector::new(-30_000_000, 5), radius_mm: 70_000_000 }),
+    ]);
+    (rates, times, flags, fences).prop_map(|(rates, times, flags, fence)| {
+        let limits = Limits {
+            max_speed_mm_s: rates.0,
+            max_acceleration_mm_s2: rates.1,
+            braking_mm_s2: rates.1.min(2000),
+            inward_mm_s: rates.0.min(1000),
+            climb_mm_s: rates.2,
+            fence_margin_mm: rates.3,
+            altitude_floor_mm: if flags.0 { -1_000_000 } else { 10_000_000 },
+            altitude_ceiling_mm: 10_000_000,
+            altitude_slack_mm: rates.3,
+            tick_ms: times.0,
+            reaction_ms: times.1,
+            stale_ms: times.1,
+            confirm_ms: times.2,
+            clear_ms: times.2,
+            stop_ms: times.3,
+            max_gap_ms: times.3.max(500),
+            release_ms: times.3,
+            decision_ms: times.3,
+            real_time: flags.1,
+            jump_mm: flags.2.then_some(u32::MAX),
+            frozen_ms: flags.2.then_some(times.2),
+            ..Limits::default()
+        };
+        (limits, fence.unwrap())
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases / 4, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_settings_and_no_numbers_are_too_large(steps in steps(), (limits, fence) in extremes()) {
+        let mut gate = Gate::new(limits, fence).unwrap();
+        for inputs in play(&steps, 0, 0) {
+            let Some(setpoint) = gate.tick(&inputs).setpoint() else { continue };
+            prop_assert!(setpoint.velocity.within(limits.max_speed_mm_s), "{setpoint:?}");
+            prop_assert!(setpoint.acceleration.within(limits.max_acceleration_mm_s2), "{setpoint:?}");
+            prop_assert!(setpoint.climb_mm_s.unsigned_abs() <= limits.climb_mm_s, "{setpoint:?}");
         }
     }
 }
