@@ -2,6 +2,7 @@
 
 use super::actor_file::flight_ready;
 use super::common::{ActorArgs, Console, SigningArgs, TimingArgs, stop_flag};
+use super::view::{View, ViewMode};
 use crate::connection::{Address, Connection};
 use crate::mission::{Mission, PoiMap};
 use crate::node::run::{Control, Links, Report, run};
@@ -95,7 +96,7 @@ impl Fly {
             swarm_signing,
             record: tlog.is_some(),
             advice: autopilot.advice(),
-            mission,
+            mission: Arc::clone(&mission),
         };
         let mut node = Node::new(settings, self.signing.session(None)?).into_diagnostic()?;
         let mut control = Control::new(stop, self.land_on_exit);
@@ -104,10 +105,13 @@ impl Fly {
         console.listen();
         let (reports, received) = channel();
         let json = self.json;
+        let mut view = View::new(ViewMode::detect(false), String::new(), self.id, 1, &mission.pois);
         let printer = std::thread::spawn(move || {
             for (_, report) in received {
-                print(&report, json);
+                view.hear(0, &report);
+                print(&report, json, &mut view);
             }
+            view.finish();
         });
         let links = Links { autopilot, swarm, tlog };
         let flown = run(&mut node, links, &control, 0, &reports).into_diagnostic();
@@ -128,9 +132,11 @@ pub(super) const fn parting(airborne: bool, land: bool) -> &'static str {
 }
 
 /// One line of a report, as far as it is for people.
-fn print(report: &Report, json: bool) {
+fn print(report: &Report, json: bool, view: &mut View) {
     match report {
-        Report::Notice(notice) => eprintln!("{}{notice}", if notice.warning { "warning: " } else { "" }),
+        Report::Notice(notice) => {
+            view.say(&format!("{}{notice}", if notice.warning { "warning: " } else { "" }));
+        }
         Report::Begun(begun) if json => {
             let ((x, y), (vx, vy)) = (begun.state.position.to_u(), begun.state.velocity.to_u());
             println!(
@@ -146,7 +152,7 @@ fn print(report: &Report, json: bool) {
                 });
                 println!("{line}");
             } else if d.late {
-                eprintln!("warning: step {}: decided {} ms after its beginning", d.step, d.phase_ms);
+                view.say(&format!("warning: step {}: decided {} ms after its beginning", d.step, d.phase_ms));
             }
         }
         Report::Begun(_) | Report::Stage(_) | Report::Clock(_) | Report::Status(_) | Report::Ended(_) => {}

@@ -7,9 +7,12 @@ mod mission;
 mod replay;
 mod sim;
 mod swarm;
+mod view;
 
 pub use actor_file::ActorFileError;
 pub use sim::{Fleet, FleetError, Page, PageError, SimError, Simulation, WorldFlight, find_python};
+
+pub use view::{Size, View, ViewMode};
 
 use clap::Parser;
 use miette::IntoDiagnostic as _;

@@ -4,6 +4,7 @@ use super::actor_file::flight_ready;
 use super::common::{ActorArgs, Console, SigningArgs, TimingArgs, stop_flag};
 use super::fly::parting;
 use super::sim::{Page, Simulation, WorldFlight, find_python};
+use super::view::{View, ViewMode};
 use crate::connection::{Address, Connection};
 use crate::mission::{Mission, PoiMap};
 use crate::node::run::{Control, Links, Report, run};
@@ -165,6 +166,7 @@ impl Swarm {
             key_file: self.signing.key_file().map(Into::into),
             fleet: args.fleet.unwrap_or_default(),
             tlogs: self.tlog,
+            view: ViewMode::detect(self.verbose),
             verbose: self.verbose,
             ..Simulation::new(actor, scenario)
         };
@@ -226,6 +228,8 @@ impl Swarm {
         let (reports, received) = channel();
         let mut counters = Counters::default();
         let airborne = AtomicBool::new(false);
+        let mode = ViewMode::detect(self.verbose);
+        let mut view = View::new(mode, String::new(), self.first_id, usize::from(self.count), &mission.pois);
         let flown: std::io::Result<()> = thread::scope(|scope| {
             let threads: Vec<_> = crew
                 .drain(..)
@@ -246,8 +250,11 @@ impl Swarm {
             console.listen();
             for (i, report) in received {
                 let id = usize::from(self.first_id) + i;
+                view.hear(i, &report);
                 match report {
-                    Report::Notice(notice) if notice.warning || self.verbose => eprintln!("UAV {id}: {notice}"),
+                    Report::Notice(notice) if notice.warning || self.verbose => {
+                        view.say(&format!("UAV {id}: {notice}"));
+                    }
                     Report::Ended(counts) => counters.add(&counts),
                     _ => {}
                 }
@@ -256,6 +263,7 @@ impl Swarm {
                 .into_iter()
                 .try_for_each(|thread| thread.join().unwrap_or_else(|_| Err(std::io::Error::other("a node panicked"))))
         });
+        view.finish();
         eprintln!("stopped: {}", parting(airborne.load(Ordering::Relaxed), self.real.land_on_exit));
         if self.json {
             println!("{}", counters.to_json(self.count));

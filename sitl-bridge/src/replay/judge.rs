@@ -272,12 +272,15 @@ impl Judge {
     /// The action whose flight is nearest to the one that was flown; among equals the one decided now, for
     /// at the speed limit several actions ask for the same.
     fn nearest(&self, case: &Case) -> u8 {
+        // A brake in between is the gate's or the operator's.
+        let moves = case.recorded.iter().any(|(_, flown)| !flown.stands());
+        let moving = || case.recorded.iter().filter(move |(_, flown)| !moves || !flown.stands());
         let apart = |index: u8| {
             let action = Action::new(index).unwrap_or(Action::COAST);
             let velocity = case.decision.state.velocity;
             let plan = Plan::new(action, case.plan.decided_ms, velocity, case.plan.measured_mps(), self.scale);
             let one = |(at, flown): &(u32, Flown)| Flown::of(&plan, *at, self.feed_forward).apart(flown);
-            case.recorded.iter().map(one).sum::<f64>()
+            moving().map(one).sum::<f64>()
         };
         let own = case.decision.action;
         let allowed = SAME * SAME * case.recorded.len() as f64;

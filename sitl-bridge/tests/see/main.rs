@@ -4,3 +4,4 @@ mod page;
 mod recording;
 mod replay;
 mod sim;
+mod view;

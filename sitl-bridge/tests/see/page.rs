@@ -54,6 +54,7 @@ fn the_page_plays_the_flight_beside_the_trainers() {
         let document = document(&page, settings);
         assert_eq!((state(&document, "errors"), state(&document, "ready")), ("0", "1"));
         assert_eq!(state(&document, "step"), "8");
+        assert!(!document.contains("NaN"), "a number went missing");
         // Two worlds and their mean, flown and the trainer's.
         assert!(document.matches("class=\"line s").count() >= 6, "curves");
         state(&document, "coverage").to_owned()

@@ -5,6 +5,7 @@ use super::fleet::Fleet;
 use super::flight::START_UNIX_MS;
 use super::{SimError, Simulation, WorldFlight};
 use crate::autopilot::Stage;
+use crate::commands::view::View;
 use crate::mission::Mission;
 use crate::node::StepBegun;
 use crate::node::run::Report;
@@ -38,6 +39,7 @@ pub(super) struct Director<'s> {
     begun: Vec<u32>,
     first_step: Option<Instant>,
     last_step: Instant,
+    view: View,
 }
 
 impl<'s> Director<'s> {
@@ -70,6 +72,7 @@ impl<'s> Director<'s> {
             begun: vec![0; uavs],
             first_step: None,
             last_step: Instant::now(),
+            view: View::new(sim.view, String::new(), 0, uavs, &mission.pois),
         }
     }
 
@@ -102,6 +105,7 @@ impl<'s> Director<'s> {
         for event in self.fleet.stop() {
             self.hear(&event);
         }
+        self.view.clear();
         Ok(self.flight)
     }
 
@@ -125,10 +129,11 @@ impl<'s> Director<'s> {
     }
 
     fn take(&mut self, id: usize, report: Report) -> Result<(), SimError> {
+        self.view.hear(id, &report);
         match report {
             Report::Notice(notice) => {
                 if self.sim.verbose || (notice.warning && self.first_step.is_some()) {
-                    eprintln!("UAV {id}: {notice}");
+                    self.view.say(&format!("UAV {id}: {notice}"));
                 }
                 self.words[id] = notice.text;
             }
@@ -172,7 +177,7 @@ impl<'s> Director<'s> {
             }
             Some("timeout" | "failsafe" | "crash" | "lockstep_timeout" | "error") => {
                 if self.sim.verbose {
-                    eprintln!("fleet: {event}");
+                    self.view.say(&format!("fleet: {event}"));
                 }
                 self.flight.trouble.push(event.clone());
             }

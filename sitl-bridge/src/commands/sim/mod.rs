@@ -12,6 +12,7 @@ pub use fleet::{Fleet, FleetError, find_python};
 pub use flight::WorldFlight;
 pub use page::{Page, PageError};
 
+use super::view::ViewMode;
 use crate::connection::OpenError;
 use crate::mission::{Layers, Mission, Origin, OriginError, square_fence};
 use crate::node::{SettingsError, Timing};
@@ -122,6 +123,8 @@ pub struct Simulation<'a> {
     /// Where nodes record their traffic: `world-W-uav-I.tlog` in this folder, beside the world's
     /// mission, `world-W.toml`.
     pub tlogs: Option<PathBuf>,
+    /// How the flights are shown while they last.
+    pub view: ViewMode,
     /// Tell everything.
     pub verbose: bool,
 }
@@ -147,6 +150,7 @@ impl<'a> Simulation<'a> {
             fleet: serde_json::Map::new(),
             sequence: None,
             tlogs: None,
+            view: ViewMode::Off,
             verbose: false,
         }
     }
