@@ -328,6 +328,8 @@ impl<'a> Node<'a> {
 
     fn take(&mut self, frame: &Frame, telemetry: &Telemetry, now: Now, out: &mut Outbox) {
         let from = (frame.system(), frame.component());
+        let ours = |autopilot: &Autopilot| (autopilot.mode(), autopilot.is_armed());
+        let before = ours(&self.autopilot);
         let heard = self.autopilot.hear(from, telemetry, self.timebase.now_ms(), &mut out.notices);
         if self.autopilot.target() == Some(from) {
             if self.silence_told {
@@ -337,6 +339,8 @@ impl<'a> Node<'a> {
         }
         self.pass_time(now);
         match heard {
+            // Who took the vehicle is heard by the gate before anything more is asked of it.
+            Heard::Noted if ours(&self.autopilot) != before => self.ask_gate(now, Send::News, out),
             Heard::Noted | Heard::ClockMoved(_) => {}
             Heard::Restarted => self.brain.forget(),
             Heard::Fix => self.measured(now, out),

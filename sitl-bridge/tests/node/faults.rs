@@ -288,13 +288,17 @@ fn time_of_day_jump() {
 
 #[test]
 fn autopilot_reboot() {
-    for phase in PHASES {
+    // Its clock tells of it, or its first heartbeat, whichever comes first.
+    for (reason, phase) in PHASES.into_iter().flat_map(|p| [(Reason::VehicleRestarted, p), (Reason::ModeLeft, p)]) {
         let reboot = |f: &mut Flight| {
+            if reason == Reason::VehicleRestarted {
+                f.tick();
+            }
             f.vehicle.boot_ms = 300;
             f.vehicle.armed = false;
             f.vehicle.custom_mode = 0;
         };
-        let flight = expect(phase, Reason::VehicleRestarted, reboot, tick);
+        let flight = expect(phase, reason, reboot, tick);
         assert!(!flight.vehicle.armed && flight.vehicle.custom_mode == 0);
     }
 }
@@ -315,6 +319,21 @@ fn pilot_mode_change() {
         assert!(since.commands(&flight).is_empty() && since.setpoints(&flight).is_empty(), "{phase:?}");
         flight.node.start();
         assert!(flight.until(60, |f| !since.setpoints(f).is_empty()), "{phase:?}: {:?}", flight.words());
+    }
+}
+
+#[test]
+fn a_heartbeat_that_tells_of_the_pilot_is_heeded_before_anything_is_asked() {
+    let changes: [fn(&mut Flight); 2] = [|f| f.vehicle.custom_mode = LOITER, |f| f.vehicle.armed = false];
+    for (phase, change) in PHASES.into_iter().flat_map(|phase| changes.map(|change| (phase, change))) {
+        let mut flight = in_phase(phase);
+        change(&mut flight);
+        let since = Since::now(&flight);
+        // It comes alone, when no position is due.
+        flight.heartbeat();
+        assert_eq!(flight.node.verdict().name(), "silent", "{phase:?}");
+        flight.ticks(20);
+        assert!(since.commands(&flight).is_empty() && since.setpoints(&flight).is_empty(), "{phase:?}");
     }
 }
 

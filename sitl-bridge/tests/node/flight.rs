@@ -112,6 +112,14 @@ impl Flight {
         self.turn()
     }
 
+    /// The vehicle's heartbeat, by itself between two ticks.
+    pub fn heartbeat(&mut self) {
+        let now = self.now();
+        let frame = self.vehicle.heartbeat();
+        assert!(self.node.hear_autopilot(frame.bytes(), now, &mut self.out), "the vehicle is not answered");
+        self.turn();
+    }
+
     /// A tick of the vehicle with the link cut.
     pub fn tick_unheard(&mut self) {
         self.vehicle.tick();
