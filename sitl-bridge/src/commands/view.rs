@@ -194,14 +194,14 @@ impl View {
         let or_dash = |text: Option<String>| text.unwrap_or_else(|| "-".into());
         let gate = s.reason.map_or_else(|| s.gate.to_owned(), |reason| format!("{}: {}", s.gate, reason.name()));
         format!(
-            "{mark} {id:3}  {:<10.10}  {:<9.9}  {east:>7}  {north:>7}  {:>7}  {:>4}  {:>5}  {:>6}  {:>6}  {:>4}  {gate}",
+            "{mark} {id:3}  {:<8.8}  {:<9.9}  {gate:<22.22}  {:>4}  {:>5}  {:>6}  {:>6}  {east:>7}  {north:>7}  {:>7}  {:>4}",
             s.mode,
             s.stage.name(),
-            or_dash(s.altitude_m.map(|m| format!("{m:.1} m"))),
             or_dash(self.rows[i].begun.checked_sub(1).map(|step| step.to_string())),
             format!("{}/{}", s.neighbours.1, s.neighbours.0),
             or_dash(s.link_ms.map(age)),
             or_dash(s.swarm_ms.map(age)),
+            or_dash(s.altitude_m.map(|m| format!("{m:.1} m"))),
             or_dash(s.battery.map(|percent| format!("{percent}%"))),
         )
     }
@@ -246,8 +246,8 @@ fn is_well(status: &Status) -> bool {
 /// The heads of the columns, aligned as in [`View::line`].
 fn head() -> String {
     format!(
-        "  {:>3}  {:<10}  {:<9}  {:>7}  {:>7}  {:>7}  {:>4}  {:>5}  {:>6}  {:>6}  {:>4}  gate",
-        "UAV", "mode", "stage", "east", "north", "height", "step", "seen", "link", "swarm", "bat."
+        "  {:>3}  {:<8}  {:<9}  {:<22}  {:>4}  {:>5}  {:>6}  {:>6}  {:>7}  {:>7}  {:>7}  {:>4}",
+        "UAV", "mode", "stage", "gate", "step", "seen", "link", "swarm", "east", "north", "height", "bat."
     )
 }
 

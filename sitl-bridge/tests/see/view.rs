@@ -105,11 +105,11 @@ fn the_table_is_redrawn_in_place_and_words_stand_above_it() {
     assert_eq!(shown[..5], words, "{shown:#?}");
     assert_eq!(shown[5], "world 3: 1 of 2 flying, step 4, 50.0 % of 2 PoIs covered");
     assert_eq!(shown.len(), 5 + 2 + 2, "one table alone stays: {shown:#?}");
-    assert!(shown[7].starts_with("    7  GUIDED") && shown[7].ends_with("stream"), "{shown:#?}");
+    assert!(shown[7].starts_with("    7  GUIDED") && shown[7].contains("  stream  "), "{shown:#?}");
     for part in ["50.0 u", "12.0 m", "2/5", "0.1 s", "98%"] {
         assert!(shown[7].contains(part), "{part}: {shown:#?}");
     }
-    assert!(shown[8].starts_with("!   8") && shown[8].ends_with("hold"), "{shown:#?}");
+    assert!(shown[8].starts_with("!   8") && shown[8].contains("  hold  "), "{shown:#?}");
 }
 
 #[test]

@@ -90,8 +90,11 @@ impl Page {
         Report {
             title: format!("Covey: {} UAVs over simulated autopilots", scenario.uavs),
             subtitle: format!(
-                "{worlds} worlds of seed {} · {} PoIs · {} steps",
-                sim.seed, scenario.pois, scenario.steps
+                "{worlds} world{} of seed {} · {} PoIs · {} steps",
+                if worlds == 1 { "" } else { "s" },
+                sim.seed,
+                scenario.pois,
+                scenario.steps
             ),
             sections,
         }
