@@ -116,7 +116,7 @@ pub fn garbage(n: u64) -> [u8; GARBAGE] {
         state ^= state << 17;
         state.to_le_bytes()[3]
     });
-    if n % 2 == 0 {
+    if n.is_multiple_of(2) {
         bytes[0] = 0xfd;
     }
     bytes
