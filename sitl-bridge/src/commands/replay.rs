@@ -83,8 +83,7 @@ impl ReplayTlog {
             actor,
             pois: Arc::new(PoiMap::new(&mission.pois)),
             timing: self.timing.timing(mission.scale.step_ms)?,
-            // PX4 takes OFFBOARD only from a stream; to ArduPilot it makes no difference here.
-            limits: Limits { stream_before_mode: true, ..gate_limits(base, &mission) },
+            limits: gate_limits(base, &mission),
             feed_forward,
             take_off: survey.took_off,
             rate_hz: f64::from(self.timing.rate_hz()),

@@ -19,7 +19,7 @@ pub use record::{Counters, Decision, StepBegun, observation_hash};
 pub use settings::{Settings, SettingsError, gate_limits};
 pub use timebase::Timebase;
 
-use crate::autopilot::{Autopilot, Fix, Heard, Leave, Mode, Notice, Outgoing, Stage, Telemetry, Vehicle};
+use crate::autopilot::{Autopilot, Dialect, Fix, Heard, Leave, Mode, Notice, Outgoing, Stage, Telemetry, Vehicle};
 use crate::frame::{Counts, Encoder, Frame, Reader};
 use crate::signing::{LinkSigning, Session};
 use crate::swarm_link::{COMPONENT, SwarmLink};
@@ -386,7 +386,9 @@ impl<'a> Node<'a> {
         if let Verdict::Return(_) = self.verdict {
             self.autopilot.return_home(self.timebase.now_ms());
         }
-        let setpoint = self.verdict.setpoint();
+        // Before its mode only PX4 wants setpoints.
+        let early = matches!(self.verdict, Verdict::BringUp(_)) && self.autopilot.dialect() != Some(Dialect::Px4);
+        let setpoint = self.verdict.setpoint().filter(|_| !early);
         self.streaming = setpoint.is_some();
         let wanted = match send {
             Send::Any => true,

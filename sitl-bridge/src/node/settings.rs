@@ -92,6 +92,8 @@ pub fn gate_limits(base: Limits, mission: &Mission) -> Limits {
         altitude_ceiling_mm: (highest_m * 1000.0) as i32 + 10_000,
         decision_ms: steps(2.25),
         swarm_ms: steps(3.0),
+        // For PX4; the node sends them to no other autopilot.
+        stream_before_mode: true,
         ..base
     }
 }

@@ -44,7 +44,7 @@ impl VehicleLink {
         let links = Links { autopilot, swarm: Some(swarm), tlog: None };
         let stop = Arc::new(AtomicBool::new(false));
         let control = Control::new(Arc::clone(&stop), false);
-        let settings = settings(5, &mission, true, false);
+        let settings = settings(5, &mission, true);
         let thread = thread::spawn(move || {
             let (reports, received) = channel();
             let mut node = Node::new(settings, Session::new()).unwrap();

@@ -46,7 +46,7 @@ fn in_phase_at(phase: Phase, wall_ms: u64) -> Flight {
     if phase == Phase::Hold {
         mission.epoch_unix_ms += 3_600_000;
     }
-    let settings = sitl_bridge::node::Settings { limits: limits(), ..settings(5, &mission, true, false) };
+    let settings = sitl_bridge::node::Settings { limits: limits(), ..settings(5, &mission, true) };
     let mut flight = Flight::with(settings, Dialect::ArduPilot, Vec2::from_u(100.0, 100.0));
     flight.wall_ms = wall_ms;
     let there = match phase {

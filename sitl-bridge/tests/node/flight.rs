@@ -35,7 +35,7 @@ pub fn mission() -> Mission {
     }
 }
 
-pub fn settings(id: u16, mission: &Mission, take_off: bool, px4: bool) -> Settings<'static> {
+pub fn settings(id: u16, mission: &Mission, take_off: bool) -> Settings<'static> {
     Settings {
         id,
         system: id as u8 + 1,
@@ -43,7 +43,7 @@ pub fn settings(id: u16, mission: &Mission, take_off: bool, px4: bool) -> Settin
         mission: Arc::new(mission.clone()),
         pois: Arc::new(PoiMap::new(&mission.pois)),
         timing: Timing::default(),
-        limits: Limits { stream_before_mode: px4, ..gate_limits(Limits::simulation(), mission) },
+        limits: gate_limits(Limits::simulation(), mission),
         feed_forward: FeedForward::Ramp,
         take_off,
         rate_hz: 5.0,
@@ -78,7 +78,7 @@ impl Flight {
 
     pub fn at(id: u16, dialect: Dialect, take_off: bool, place: Vec2) -> Self {
         let mission = mission();
-        let settings = settings(id, &mission, take_off, dialect == Dialect::Px4);
+        let settings = settings(id, &mission, take_off);
         Self::with(settings, dialect, place)
     }
 

@@ -14,7 +14,7 @@ const STEPS: usize = 10;
 
 fn uav(id: u16, x: f32, change: impl FnOnce(&mut Settings<'static>)) -> Flight {
     let mission = mission();
-    let mut settings = settings(id, &mission, true, false);
+    let mut settings = settings(id, &mission, true);
     settings.limits = gate_limits(Limits::default(), &mission);
     change(&mut settings);
     Flight::with(settings, Dialect::ArduPilot, Vec2::from_u(x, 100.0))

@@ -183,6 +183,8 @@ proptest! {
         pieces.insert(place, garbage);
         let (found, ..) = read(&pieces.concat());
         let found: Vec<Frame> = found.into_iter().map(|r| r.frame).filter(Frame::is_checked).collect();
+        // One garbled frame in 65,536 fits its checksum by chance, and hides what it covers.
+        prop_assume!(found.iter().all(|frame| all.iter().any(|record| record.frame == *frame)));
         let whole = all.iter().enumerate().filter(|(n, _)| damaged.iter().all(|(which, ..)| which != n));
         for (n, record) in whole {
             prop_assert!(found.contains(&record.frame), "record {n}");

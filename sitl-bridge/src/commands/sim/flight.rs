@@ -171,7 +171,7 @@ fn settings<'a>(
         mission: Arc::clone(mission),
         pois: Arc::clone(pois),
         timing: sim.timing,
-        limits: Limits { stream_before_mode: sim.px4, ..limits },
+        limits,
         feed_forward: if sim.ideal { FeedForward::Action } else { FeedForward::Ramp },
         take_off: true,
         rate_hz: f64::from(sim.rate_hz),
