@@ -36,32 +36,77 @@ unsafe fn rows<const N: usize>(
     out: *mut f32,
     out_step: usize,
 ) {
-    // Known steps spare multiplications in the innermost loop.
-    let (packed, side_by_side) = (p.weight_step == LANES * N, p.steps[1] == 1);
     // Weight gradients of inputs that were zero throughout.
     let additive = p.terms <= 64 && matches!((&start, &finish), (Start::Kept, Finish::Plain));
-    let mut r = 0;
-    while r < p.rows {
+    let (mut waiting, mut dense) = (0, [0; 3]);
+    for r in 0..p.rows {
         // SAFETY: as promised by the caller.
         unsafe {
-            if (N == 8 || N <= 4) && r + 3 <= p.rows && are_dense(p, r) {
-                if N == 8 {
-                    three::<4>(p, r, 0, start, &mut finish, out, out_step);
-                    three::<4>(p, r, 4, start, &mut finish, out, out_step);
-                } else {
-                    three::<N>(p, r, 0, start, &mut finish, out, out_step);
+            if (N == 8 || N <= 4) && is_dense(p, r) {
+                dense[waiting] = r;
+                waiting += 1;
+                if waiting == 3 {
+                    three::<N>(p, dense, start, &mut finish, out, out_step);
+                    waiting = 0;
                 }
-                r += 3;
-            } else if additive && p.masks.get_unchecked(r * p.mask_step) & p.limit(0) == 0 {
-                r += 1;
-            } else {
-                match (packed, side_by_side) {
-                    (true, true) => row::<N, true, true>(p, r, start, &mut finish, out, out_step),
-                    (true, false) => row::<N, true, false>(p, r, start, &mut finish, out, out_step),
-                    (false, _) => row::<N, false, false>(p, r, start, &mut finish, out, out_step),
-                }
-                r += 1;
+            } else if !additive || mask(p, r, 0) != 0 {
+                one::<N>(p, r, start, &mut finish, out, out_step);
             }
+        }
+    }
+    for r in &dense[..waiting] {
+        // SAFETY: as promised by the caller.
+        unsafe { one::<N>(p, *r, start, &mut finish, out, out_step) };
+    }
+}
+
+/// Row r, without its zeros.
+///
+/// # Safety
+/// As for [`run`], with `N` vectors of columns and a row r.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+unsafe fn one<const N: usize>(
+    p: &Product<'_>,
+    r: usize,
+    start: Start<'_>,
+    finish: &mut Finish<'_>,
+    out: *mut f32,
+    out_step: usize,
+) {
+    // SAFETY: as promised by the caller.
+    unsafe {
+        // Known steps spare multiplications in the innermost loop.
+        match (p.weight_step == LANES * N, p.steps[1] == 1) {
+            (true, true) => row::<N, true, true>(p, r, start, finish, out, out_step),
+            (true, false) => row::<N, true, false>(p, r, start, finish, out, out_step),
+            (false, _) => row::<N, false, false>(p, r, start, finish, out, out_step),
+        }
+    }
+}
+
+/// Rows that have few zeros, zeros included: a weight fetched once serves three.
+///
+/// # Safety
+/// As for [`run`], with `N` vectors of columns and these rows.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+unsafe fn three<const N: usize>(
+    p: &Product<'_>,
+    rows: [usize; 3],
+    start: Start<'_>,
+    finish: &mut Finish<'_>,
+    out: *mut f32,
+    out_step: usize,
+) {
+    // SAFETY: as promised by the caller.
+    unsafe {
+        // Twelve sums and what they need fill the registers.
+        if N == 8 {
+            part::<4>(p, rows, 0, start, finish, out, out_step);
+            part::<4>(p, rows, 4, start, finish, out, out_step);
+        } else {
+            part::<N>(p, rows, 0, start, finish, out, out_step);
         }
     }
 }
@@ -93,7 +138,7 @@ unsafe fn row<const N: usize, const PACKED: bool, const SIDE_BY_SIDE: bool>(
             Start::Bias(bias) => load::<N>(bias.as_ptr()),
         };
         for b in 0..p.terms.div_ceil(64) {
-            let mut mask = *p.masks.get_unchecked(r * p.mask_step + b) & p.limit(b);
+            let mut mask = mask(p, r, b);
             let values = p.values.as_ptr().add(r * p.steps[0] + 64 * b * step);
             let weights = p.weights.as_ptr().add(64 * b * weight_step);
             // Two at a time, counted: a tenth faster than bit by bit.
@@ -117,37 +162,44 @@ unsafe fn row<const N: usize, const PACKED: bool, const SIDE_BY_SIDE: bool>(
     }
 }
 
-/// Whether so many values of rows r to r + 2 count that all may as well be multiplied.
+/// Whether so many values of row r count that all may as well be multiplied.
 ///
 /// # Safety
-/// As for [`run`], with three rows from r.
+/// As for [`run`], with a row r.
 #[inline]
 #[target_feature(enable = "popcnt")]
-unsafe fn are_dense(p: &Product<'_>, r: usize) -> bool {
-    let mut needed = (3 * p.terms * DENSE.0 / DENSE.1) as u32;
+unsafe fn is_dense(p: &Product<'_>, r: usize) -> bool {
+    let mut needed = (p.terms * DENSE.0 / DENSE.1) as u32;
     for b in 0..p.terms.div_ceil(64) {
-        for r in r..r + 3 {
-            // SAFETY: as promised by the caller.
-            let marked = unsafe { (p.masks.get_unchecked(r * p.mask_step + b) & p.limit(b)).count_ones() };
-            // The way out keeps the compiler from vectorising a loop of a few words.
-            needed = match needed.checked_sub(marked) {
-                None => return true,
-                Some(left) => left,
-            };
-        }
+        // The way out keeps the compiler from vectorising a loop of a few words.
+        // SAFETY: as promised by the caller.
+        needed = match needed.checked_sub(unsafe { mask(p, r, b) }.count_ones()) {
+            None => return true,
+            Some(left) => left,
+        };
     }
     false
 }
 
-/// Rows r to r + 2 of `N` vectors of columns from vector `first`, zeros included.
+/// Marks of row r in block `b`.
 ///
 /// # Safety
-/// As for [`run`], with three rows from r and `first + N` vectors of columns.
+/// As for [`run`], with a row r and a block `b`.
+#[inline(always)]
+unsafe fn mask(p: &Product<'_>, r: usize, b: usize) -> u64 {
+    // SAFETY: as promised by the caller.
+    unsafe { *p.masks.get_unchecked(r * p.mask_step + b) & p.limit(b) }
+}
+
+/// `N` vectors of columns of three rows, from vector `first`.
+///
+/// # Safety
+/// As for [`run`], with `first + N` vectors of columns and these rows.
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-unsafe fn three<const N: usize>(
+unsafe fn part<const N: usize>(
     p: &Product<'_>,
-    r: usize,
+    rows: [usize; 3],
     first: usize,
     start: Start<'_>,
     finish: &mut Finish<'_>,
@@ -156,37 +208,33 @@ unsafe fn three<const N: usize>(
 ) {
     // SAFETY: as promised by the caller.
     unsafe {
-        let out = out.add(r * out_step + LANES * first);
+        let out = out.add(LANES * first);
         let mut sums = [[_mm256_setzero_ps(); N]; 3];
-        for (k, sums) in sums.iter_mut().enumerate() {
+        for (sums, r) in sums.iter_mut().zip(rows) {
             *sums = match start {
                 Start::Zero => [_mm256_setzero_ps(); N],
-                Start::Kept => load::<N>(out.add(k * out_step)),
+                Start::Kept => load::<N>(out.add(r * out_step)),
                 Start::Bias(bias) => load::<N>(bias.as_ptr().add(LANES * first)),
             };
         }
-        let mut v = p.values.as_ptr().add(r * p.steps[0]);
+        let [mut a, mut b, mut c] = rows.map(|r| p.values.as_ptr().wrapping_add(r * p.steps[0]));
         let mut w = p.weights.as_ptr().add(LANES * first);
         for _ in 0..p.terms {
-            let values = [
-                _mm256_broadcast_ss(&*v),
-                _mm256_broadcast_ss(&*v.add(p.steps[0])),
-                _mm256_broadcast_ss(&*v.add(2 * p.steps[0])),
-            ];
-            #[expect(clippy::needless_range_loop, reason = "fixed places keep the sums in registers")]
-            for c in 0..N {
-                let w = _mm256_loadu_ps(w.add(LANES * c));
-                for k in 0..3 {
-                    sums[k][c] = _mm256_fmadd_ps(values[k], w, sums[k][c]);
+            let v = [_mm256_broadcast_ss(&*a), _mm256_broadcast_ss(&*b), _mm256_broadcast_ss(&*c)];
+            for k in 0..N {
+                let w = _mm256_loadu_ps(w.add(LANES * k));
+                for (sums, v) in sums.iter_mut().zip(v) {
+                    sums[k] = _mm256_fmadd_ps(v, w, sums[k]);
                 }
             }
-            v = v.wrapping_add(p.steps[1]);
+            // Beyond the last term nothing is read.
+            (a, b, c) = (a.wrapping_add(p.steps[1]), b.wrapping_add(p.steps[1]), c.wrapping_add(p.steps[1]));
             w = w.wrapping_add(p.weight_step);
         }
-        for (k, mut sums) in sums.into_iter().enumerate() {
-            close(&mut sums, finish, r + k, first);
-            for (c, s) in sums.into_iter().enumerate() {
-                _mm256_storeu_ps(out.add(k * out_step + LANES * c), s);
+        for (mut sums, r) in sums.into_iter().zip(rows) {
+            close(&mut sums, finish, r, first);
+            for (k, s) in sums.into_iter().enumerate() {
+                _mm256_storeu_ps(out.add(r * out_step + LANES * k), s);
             }
         }
     }
