@@ -79,4 +79,12 @@ impl Ground {
         let first = 2 * poi * self.cells;
         self.near[first + a] * self.near[first + self.cells + b]
     }
+
+    /// Adds a PoI's nearness to the cells of a column.
+    pub(super) fn add_nearness(&self, poi: usize, a: usize, rows: std::ops::Range<usize>, sum: &mut [f64]) {
+        let first = 2 * poi * self.cells;
+        let along = self.near[first + a];
+        let line = &self.near[first + self.cells..][rows];
+        sum.iter_mut().zip(line).for_each(|(sum, near)| *sum += along * near);
+    }
 }

@@ -1,7 +1,7 @@
 //! What a remembering UAV knows, and what it passes on.
 
 use super::ground::Ground;
-use super::place::{Claim, Poi};
+use super::place::{Claim, Column, Poi};
 use super::{SEEN_U, distance, pair, poi, squared};
 use crate::world::World;
 use firmware_core::geometry::{OBSERVATION_RANGE_U, SPEED_CAP_U};
@@ -138,12 +138,11 @@ impl Mind {
         self.target = target;
     }
 
-    pub(super) fn unseen(&self, ground: &Ground, (a, b): (usize, usize)) -> bool {
-        !self.cells[a * ground.cells() + b]
-    }
-
-    pub(super) fn nearness(&self, ground: &Ground, (a, b): (usize, usize)) -> f64 {
-        self.near[a * ground.cells() + b]
+    /// Fills in a column of cells.
+    pub(super) fn show(&self, ground: &Ground, column: Column<'_>) {
+        let cells = column.a * ground.cells() + column.rows.start..column.a * ground.cells() + column.rows.end;
+        column.near.copy_from_slice(&self.near[cells.clone()]);
+        column.seen.copy_from_slice(&self.cells[cells]);
     }
 }
 

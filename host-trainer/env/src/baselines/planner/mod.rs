@@ -21,7 +21,7 @@ use firmware_core::geometry::OBSERVATION_RANGE_U;
 use firmware_core::random::tie_breaker;
 use ground::Ground;
 use memory::Memory;
-use place::{Brief, Claim, Weights, choose};
+use place::{Brief, Chooser, Claim, Column, Weights};
 use steer::steer;
 
 /// A cell counts as seen when its centre is within this distance of a UAV, u.
@@ -53,6 +53,7 @@ pub struct Planner {
     pois: Vec<place::Poi>,
     claims: Vec<Claim>,
     met: Vec<bool>,
+    chooser: Chooser,
 }
 
 impl Planner {
@@ -116,12 +117,18 @@ impl Planner {
             fade: 1.0,
             kept: None,
         };
-        let unseen = |c: (usize, usize)| {
-            let (x, y) = ground.centre(c);
-            eyes().all(|e| squared(e, (x, y)) > SEEN_U * SEEN_U)
+        let look = |column: Column<'_>| {
+            column.near.fill(0.0);
+            for p in &self.pois {
+                ground.add_nearness(p.index, column.a, column.rows.clone(), column.near);
+            }
+            for (seen, b) in column.seen.iter_mut().zip(column.rows) {
+                let centre = ground.centre((column.a, b));
+                *seen = eyes().any(|e| squared(e, centre) <= SEEN_U * SEEN_U);
+            }
         };
-        let nearness = |c: (usize, usize)| self.pois.iter().map(|p| ground.nearness(p.index, c)).sum();
-        choose(&brief, &MEMORYLESS, ground, unseen, nearness)
+        self.chooser
+            .choose(&brief, &MEMORYLESS, ground, look)
             .unwrap_or((at.0 + 3.0 * velocity.0, at.1 + 3.0 * velocity.1))
     }
 }
@@ -164,6 +171,7 @@ pub struct RememberingPlanner {
     memory: Memory,
     claims: Vec<Claim>,
     pois: Vec<place::Poi>,
+    chooser: Chooser,
 }
 
 impl RememberingPlanner {
@@ -197,7 +205,7 @@ impl RememberingPlanner {
             crate::Law::Clustered => &REMEMBERING,
             crate::Law::Uniform => &REMEMBERING_UNIFORM,
         };
-        let chosen = choose(&brief, weights, ground, |c| mind.unseen(ground, c), |c| mind.nearness(ground, c));
+        let chosen = self.chooser.choose(&brief, weights, ground, |column| mind.show(ground, column));
         if let Some(target) = chosen {
             self.memory.mind_mut(i).set_target(target);
         }
