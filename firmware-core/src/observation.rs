@@ -9,16 +9,21 @@
 //! | 6 | free PoIs in view: those that no neighbour which goes first covers | n / 48 |
 //! | 7, 8 | mean offset of the free PoIs in view | Δ / 13 u |
 //! | 9, 10 | push away from neighbours: −Σ Δ·(1 − d²/18²) | / 18 u |
-//! | 11 | free PoIs in coverage range | n / 24 |
-//! | 12 + k | free PoIs in coverage range of the place 4 u away along direction k = 0..7 | n / 24 |
-//! | 20 + k | the same 8 u away | n / 24 |
-//! | 28 + 6 k | k-th nearest neighbour: present | 1 |
+//! | 11 | what the place where it is is worth | PoI-steps / 192 |
+//! | 12 + k | the eight places around it, 4 u away on either axis | PoI-steps / 192 |
+//! | 20 + k | the same 8 u away | PoI-steps / 192 |
+//! | 28 | what the best place is worth, unseen PoIs and its lying ahead included | PoI-steps / 192 |
+//! | 29, 30 | its offset | Δ / 18 u |
+//! | 31, 32 | the same refined | Δ / 18 u |
+//! | 33, 34 | change of velocity that flies there | / 8 u/step |
+//! | 35 | what is covered there | n / 22 |
+//! | 36 + 6 k | k-th nearest neighbour: present | 1 |
 //! | … + 1, 2 | its offset | Δ / 18 u |
 //! | … + 3, 4 | its velocity | v / 4 u/step |
 //! | … + 5 | who yields: +1 when this UAV goes first, −1 when the neighbour does | ±1 |
-//! | 64 + 4 k | k-th nearest PoI in view: present | 1 |
+//! | 72 + 4 k | k-th nearest PoI in view: present | 1 |
 //! | … + 1, 2 | its offset | Δ / 13 u |
-//! | … + 3 | covered by a neighbour that goes first | 0 or 1 |
+//! | … + 3 | covered by a neighbour that goes first, or only by ones that yield | 1 or ½ |
 //!
 //! Each number is stored as `round(127 · value)` clamped to ±127; absent
 //! neighbours and PoIs are zeros. Directions are those of the action table. This form has the id [`ID`], which the actor file
@@ -27,27 +32,37 @@
 use crate::geometry::{
     COMMUNICATION_RANGE_U, COVERAGE_RANGE_U, OBSERVATION_RANGE_U, SPEED_CAP_U, State, TICKS_PER_U, Vec2, div_round,
 };
+use best::{WORTH, best, rings, worth};
+use explore::outlooks;
 use heapless::Vec;
-use places::{Free, SPOTS, push};
+use places::{Free, push};
 
+mod best;
+mod explore;
 mod places;
 
 /// Identifies this form of the observation in actor files.
-pub const ID: u16 = 1;
+pub const ID: u16 = 2;
 /// Neighbours a UAV keeps (the nearest), and aggregates over.
 pub const MAX_NEIGHBOURS: usize = 16;
 /// Neighbours described in the observation (the nearest).
 pub const SEEN_NEIGHBOURS: usize = 6;
 /// PoIs described in the observation (the nearest).
-pub const SEEN_POIS: usize = 24;
+pub const SEEN_POIS: usize = 22;
 /// Numbers about the UAV itself.
 const OWN: usize = 7;
 /// Numbers about places to go.
-const PLACES: usize = 4 + SPOTS;
+const PLACES: usize = 4 + SPOTS + BEST;
+/// Numbers about the best place.
+const BEST: usize = 8;
+/// Places whose worth is told.
+const SPOTS: usize = 17;
 /// Numbers a neighbour.
 const PER_NEIGHBOUR: usize = 6;
 /// Numbers a PoI.
 const PER_POI: usize = 4;
+/// Index of the wanted change of velocity, x and y, of 8 u/step.
+pub const WANTED: usize = OWN + 4 + SPOTS + 5;
 /// Length of an observation.
 pub const LEN: usize = OWN + PLACES + SEEN_NEIGHBOURS * PER_NEIGHBOUR + SEEN_POIS * PER_POI;
 
@@ -150,20 +165,34 @@ pub fn observe(scene: &Scene<'_>, pois: impl IntoIterator<Item = Vec2>) -> Obser
         ratio::<{ SPEED_CAP_U * TICKS_PER_U }>(own.velocity.y),
         scene.tie.max(-127),
         ratio::<{ MAX_NEIGHBOURS as i32 }>(neighbours.len() as i32),
-        ratio::<{ 2 * SEEN_POIS as i32 }>(seen.free.count),
+        ratio::<48>(seen.free.count),
     ]);
     let (places, rest) = rest.split_at_mut(PLACES);
     let (mean, push) = (seen.free.mean(), push(neighbours));
-    let (drift, gains) = places.split_at_mut(4);
+    let (drift, places) = places.split_at_mut(4);
     drift.copy_from_slice(&[
         ratio::<VIEW>(mean.x),
         ratio::<VIEW>(mean.y),
         ratio::<RANGE>(push.x),
         ratio::<RANGE>(push.y),
     ]);
-    for (slot, &count) in gains.iter_mut().zip(&seen.free.gains) {
-        *slot = ratio::<{ SEEN_POIS as i32 }>(count);
+    let worth = worth(&seen.nearest);
+    let out_there = outlooks(own.position, half, &seen.nearest, scene.neighbours, |n| scene.goes_before(n));
+    let best = best(&seen.nearest, &worth, &out_there, own.velocity);
+    let (around, chosen) = places.split_at_mut(SPOTS);
+    for (slot, worth) in around.iter_mut().zip(rings(&worth)) {
+        *slot = ratio::<WORTH>(worth.into());
     }
+    chosen.copy_from_slice(&[
+        ratio::<WORTH>(best.worth),
+        ratio::<RANGE>(best.coarse.x),
+        ratio::<RANGE>(best.coarse.y),
+        ratio::<RANGE>(best.fine.x),
+        ratio::<RANGE>(best.fine.y),
+        ratio::<{ 2 * SPEED_CAP_U * TICKS_PER_U }>(best.acceleration.x),
+        ratio::<{ 2 * SPEED_CAP_U * TICKS_PER_U }>(best.acceleration.y),
+        ratio::<{ 20 * SEEN_POIS as i32 }>(best.count),
+    ]);
     let (near, far) = rest.split_at_mut(SEEN_NEIGHBOURS * PER_NEIGHBOUR);
     for (slot, n) in near.chunks_exact_mut(PER_NEIGHBOUR).zip(neighbours) {
         let first = scene.goes_before(n);
@@ -178,12 +207,7 @@ pub fn observe(scene: &Scene<'_>, pois: impl IntoIterator<Item = Vec2>) -> Obser
     }
     for (slot, p) in far.chunks_exact_mut(PER_POI).zip(&seen.nearest) {
         let offset = p.offset();
-        slot.copy_from_slice(&[
-            127,
-            ratio::<VIEW>(offset.x),
-            ratio::<VIEW>(offset.y),
-            if p.claimed() { 127 } else { 0 },
-        ]);
+        slot.copy_from_slice(&[127, ratio::<VIEW>(offset.x), ratio::<VIEW>(offset.y), p.claim().code()]);
     }
     out
 }
@@ -191,7 +215,7 @@ pub fn observe(scene: &Scene<'_>, pois: impl IntoIterator<Item = Vec2>) -> Obser
 const VIEW: i32 = OBSERVATION_RANGE_U * TICKS_PER_U;
 
 /// A PoI in view, packed so that one comparison orders by distance and then by offset:
-/// d² (28 bits), Δx + 2¹⁴ and Δy + 2¹⁴ (15 bits each), claimed (1 bit).
+/// d² (28 bits), Δx + 2¹⁴ and Δy + 2¹⁴ (15 bits each), claim (2 bits).
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct SeenPoi(u64);
 
@@ -200,20 +224,24 @@ impl SeenPoi {
     const BIAS: i32 = 1 << (Self::AXIS_BITS - 1);
 
     /// `offset` lies within the view and `d2` is its squared length.
-    fn new(offset: Vec2, d2: u32, claimed: bool) -> Self {
+    fn new(offset: Vec2, d2: u32, claim: Claim) -> Self {
         // |Δ| ≤ 13·1,024 < 2¹⁴, so both fit their bits, and d² < 2²⁸.
         let axis = |t: i32| u64::from((t + Self::BIAS).unsigned_abs());
         let order = (u64::from(d2) << Self::AXIS_BITS) | axis(offset.x);
-        Self((((order << Self::AXIS_BITS) | axis(offset.y)) << 1) | u64::from(claimed))
+        Self((((order << Self::AXIS_BITS) | axis(offset.y)) << 2) | claim as u64)
     }
 
-    fn claimed(self) -> bool {
-        self.0 & 1 == 1
+    fn claim(self) -> Claim {
+        match self.0 & 3 {
+            0 => Claim::Nobody,
+            1 => Claim::Junior,
+            _ => Claim::Senior,
+        }
     }
 
     fn offset(self) -> Vec2 {
         let axis = |shift: u32| ((self.0 >> shift) & ((1 << Self::AXIS_BITS) - 1)) as i32 - Self::BIAS;
-        Vec2 { x: axis(1 + Self::AXIS_BITS), y: axis(1) }
+        Vec2 { x: axis(2 + Self::AXIS_BITS), y: axis(2) }
     }
 }
 
@@ -229,26 +257,52 @@ fn look(scene: &Scene<'_>, pois: impl IntoIterator<Item = Vec2>) -> Seen {
     for p in pois {
         let offset = p - scene.own.position;
         let Some(d2) = offset.within(VIEW) else { continue };
-        let claimed = is_claimed(offset, scene);
-        if !claimed {
+        let claim = claim(offset, scene);
+        if claim != Claim::Senior {
             seen.free.add(offset);
         }
-        keep(&mut seen.nearest, SeenPoi::new(offset, d2, claimed), SeenPoi::lt);
+        keep(&mut seen.nearest, SeenPoi::new(offset, d2, claim), SeenPoi::lt);
     }
     seen
 }
 
 const COVER: i32 = COVERAGE_RANGE_U * TICKS_PER_U;
 
-/// Whether a neighbour that goes first covers the PoI at this offset, which lies within the view.
-fn is_claimed(poi: Vec2, scene: &Scene<'_>) -> bool {
-    scene.neighbours.as_slice().iter().any(|n| {
-        // On each axis at most (13 + 18)·1,024 = 31,744 ticks, so the sum of squares
-        // stays below 2³¹.
+/// Who else covers a PoI.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Claim {
+    /// No neighbour.
+    Nobody = 0,
+    /// A neighbour that yields.
+    Junior = 1,
+    /// A neighbour that goes first.
+    Senior = 2,
+}
+
+impl Claim {
+    /// The number in the observation.
+    const fn code(self) -> i8 {
+        match self {
+            Self::Nobody => 0,
+            Self::Junior => 64,
+            Self::Senior => 127,
+        }
+    }
+}
+
+/// Who covers the PoI at this offset, which lies within the view.
+fn claim(poi: Vec2, scene: &Scene<'_>) -> Claim {
+    let mut claim = Claim::Nobody;
+    for n in scene.neighbours.as_slice() {
         let (x, y) = (poi.x - n.offset.x, poi.y - n.offset.y);
-        // Few are near enough, so who goes first is asked last.
-        x * x + y * y <= COVER * COVER && !scene.goes_before(n)
-    })
+        if x * x + y * y <= COVER * COVER {
+            if !scene.goes_before(n) {
+                return Claim::Senior;
+            }
+            claim = Claim::Junior;
+        }
+    }
+    claim
 }
 
 /// Takes `item` into `kept`, which is in order, behind those it is not before. When there is
@@ -286,154 +340,4 @@ fn ratio_of(a: i32, scale: i32) -> i8 {
 pub const HALF_SIDE_LIMIT: i32 = 1 << 23;
 
 #[cfg(test)]
-mod tests {
-    extern crate std;
-    use super::*;
-    use crate::geometry::MAP_SIDE_U;
-    use proptest::prelude::*;
-    use std::vec::Vec as List;
-
-    const SIDE: i32 = MAP_SIDE_U as i32 * TICKS_PER_U;
-
-    /// The module's table, word for word, in wide and floating numbers.
-    fn naive(scene: &Scene<'_>, pois: &[Vec2]) -> List<i8> {
-        let scaled = |v: i64, scale: i64| {
-            let r = (v.abs() * 127 + scale / 2) / scale * v.signum();
-            r.clamp(-127, 127) as i8
-        };
-        let d2 = |v: Vec2| i64::from(v.x).pow(2) + i64::from(v.y).pow(2);
-        let u = |n: i32| i64::from(n) * i64::from(TICKS_PER_U);
-        let neighbours = scene.neighbours.as_slice();
-        let first = |n: &Neighbour| scene.tie > n.tie || scene.tie == n.tie && scene.id > n.id;
-        let seniors: List<&Neighbour> = neighbours.iter().filter(|n| !first(n)).collect();
-        let mut seen: List<(i64, Vec2, bool)> = pois
-            .iter()
-            .map(|&p| p - scene.own.position)
-            .filter(|&o| d2(o) <= u(13).pow(2))
-            .map(|o| (d2(o), o, seniors.iter().any(|n| d2(o - n.offset) <= u(10).pow(2))))
-            .collect();
-        seen.sort();
-        let free: List<Vec2> = seen.iter().filter(|p| !p.2).map(|p| p.1).collect();
-        let half = i64::from(scene.half_side);
-        let (own, v) = (scene.own.position, scene.own.velocity);
-        let mut out = List::from([
-            scaled(i64::from(own.x) - half, half),
-            scaled(i64::from(own.y) - half, half),
-            scaled(v.x.into(), u(4)),
-            scaled(v.y.into(), u(4)),
-            scene.tie.max(-127),
-            scaled(neighbours.len() as i64, 16),
-            scaled(free.len() as i64, 48),
-        ]);
-        let mean = |axis: fn(&Vec2) -> i32| match free.len() as i64 {
-            0 => 0,
-            n => {
-                let sum: i64 = free.iter().map(|o| i64::from(axis(o))).sum();
-                scaled((sum.abs() + n / 2) / n * sum.signum(), u(13))
-            }
-        };
-        out.extend([mean(|o| o.x), mean(|o| o.y)]);
-        let push = |axis: fn(&Vec2) -> i32| {
-            let part = |n: &Neighbour| {
-                let share = ((u(18).pow(2) - d2(n.offset)) >> 20).clamp(0, 324);
-                i64::from(axis(&n.offset)) * share
-            };
-            let sum: i64 = -neighbours.iter().map(part).sum::<i64>();
-            scaled((sum.abs() + 162) / 324 * sum.signum(), u(18))
-        };
-        out.extend([push(|o| o.x), push(|o| o.y)]);
-        let directions = [(10, 0), (7, -7), (0, -10), (-7, -7), (-10, 0), (-7, 7), (0, 10), (7, 7)];
-        let along = |reach: i32| {
-            directions.map(|(x, y)| {
-                // Diagonals are √½ of the reach, in whole ticks.
-                let diagonal = (reach * 7241 + 5120) / 10240;
-                let t = |c: i32| match c.abs() {
-                    10 => reach * c.signum(),
-                    7 => diagonal * c.signum(),
-                    _ => 0,
-                };
-                Vec2 { x: t(x), y: t(y) }
-            })
-        };
-        let spots = [Vec2::default()].into_iter().chain(along(4096)).chain(along(8192));
-        out.extend(spots.map(|s| scaled(free.iter().filter(|&&o| d2(o - s) <= u(10).pow(2)).count() as i64, 24)));
-        for n in neighbours.iter().take(6) {
-            let (o, v) = (n.offset, n.velocity);
-            out.extend([127, scaled(o.x.into(), u(18)), scaled(o.y.into(), u(18))]);
-            out.extend([scaled(v.x.into(), u(4)), scaled(v.y.into(), u(4)), if first(n) { 127 } else { -127 }]);
-        }
-        out.resize(64, 0);
-        for &(_, o, claimed) in seen.iter().take(24) {
-            out.extend([127, scaled(o.x.into(), u(13)), scaled(o.y.into(), u(13)), if claimed { 127 } else { 0 }]);
-        }
-        out.resize(LEN, 0);
-        out
-    }
-
-    fn near(range_u: i32) -> impl Strategy<Value = Vec2> {
-        let t = range_u * TICKS_PER_U;
-        // Whole units too, so that distances repeat and limits are met exactly.
-        let whole = (-range_u..=range_u, -range_u..=range_u)
-            .prop_map(|(x, y)| Vec2::from_ticks(x * TICKS_PER_U, y * TICKS_PER_U));
-        prop_oneof![(-t..=t, -t..=t).prop_map(|(x, y)| Vec2::from_ticks(x, y)), whole]
-    }
-
-    fn neighbour() -> impl Strategy<Value = Neighbour> {
-        (0u16..30, near(20), near(4), any::<i8>()).prop_map(|(id, offset, velocity, tie)| Neighbour {
-            id,
-            offset,
-            velocity,
-            tie,
-        })
-    }
-
-    proptest! {
-        #[test]
-        fn an_observation_is_what_the_table_says(
-            (x, y) in (0..=SIDE, 0..=SIDE),
-            velocity in near(5),
-            (id, tie) in (0u16..30, any::<i8>()),
-            around in prop::collection::vec(neighbour(), 0..24),
-            offsets in prop::collection::vec(near(15), 0..70),
-            turn in any::<prop::sample::Index>(),
-        ) {
-            let position = Vec2::from_ticks(x, y);
-            let mut neighbours = Neighbours::new();
-            around.iter().for_each(|&n| neighbours.offer(n));
-            let own = State { position, velocity };
-            let scene = Scene { id, own, tie, half_side: SIDE / 2, neighbours: &neighbours };
-            let mut pois: List<_> = offsets.iter().map(|&o| position + o).collect();
-            let got = observe(&scene, pois.iter().copied());
-            prop_assert_eq!(&got[..], &naive(&scene, &pois)[..]);
-            // Neither the order of the PoIs nor that of the neighbours shows.
-            pois.reverse();
-            let at = if pois.is_empty() { 0 } else { turn.index(pois.len()) };
-            pois.rotate_left(at);
-            prop_assert_eq!(got, observe(&scene, pois.iter().copied()));
-            let mut again = Neighbours::new();
-            around.iter().rev().for_each(|&n| again.offer(n));
-            let distinct: std::collections::BTreeSet<_> = around.iter().map(Neighbour::key).collect();
-            prop_assume!(distinct.len() == around.len());
-            prop_assert_eq!(neighbours.as_slice(), again.as_slice());
-        }
-
-        #[test]
-        fn the_nearest_neighbours_in_range_are_kept(around in prop::collection::vec(neighbour(), 0..40)) {
-            let mut neighbours = Neighbours::new();
-            around.iter().for_each(|&n| neighbours.offer(n));
-            let mut expected = around;
-            expected.retain(|n| n.offset.within(RANGE).is_some());
-            expected.sort_by_key(Neighbour::key);
-            expected.truncate(MAX_NEIGHBOURS);
-            let keys = |l: &[Neighbour]| l.iter().map(Neighbour::key).collect::<List<_>>();
-            prop_assert_eq!(keys(neighbours.as_slice()), keys(&expected));
-        }
-
-        #[test]
-        fn packing_a_poi_loses_nothing(offset in near(13), claimed: bool) {
-            prop_assume!(offset.within(VIEW).is_some());
-            let p = SeenPoi::new(offset, offset.within(VIEW).unwrap_or(0), claimed);
-            prop_assert_eq!((p.offset(), p.claimed()), (offset, claimed));
-        }
-    }
-}
+mod tests;

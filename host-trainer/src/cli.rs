@@ -85,6 +85,8 @@ pub enum PolicyArg {
     Greedy,
     /// Flies to the middle of what no neighbour covers.
     Centroid,
+    /// Flies to the place that the actor's own observation names the best.
+    Follower,
     /// Values every place by what it and its neighbours see now, and flies to the best.
     Planner,
     /// The same with memory, told from UAV to UAV.

@@ -7,7 +7,8 @@
 //! every feature that it makes is compared with the one this computer made of the same UAV:
 //! without a difference the features heard are the board's own, to the bit.
 
-use crate::measure::{Trial, policy_seed};
+use crate::measure::Trial;
+use covey_env::policy_seed;
 use covey_env::{ActorPolicy, EpisodeMetrics, World};
 use covey_link::{Client, LinkError, Observed, Turn};
 use firmware_core::action::Action;

@@ -4,8 +4,9 @@ use crate::cli::PolicyArg;
 use crate::float_actor::{FloatActor, FloatPolicy, argmax};
 use crate::over_link::LinkRow;
 use crate::settings::law_name;
-use covey_env::baselines::{Centroid, Greedy, Hover, Planner, Random, RememberingPlanner};
+use covey_env::baselines::{Centroid, Follower, Greedy, Hover, Planner, Random, RememberingPlanner};
 use covey_env::oracles::{FlyToSites, evaluate_parked};
+use covey_env::policy_seed;
 use covey_env::{ActorPolicy, Evaluation, Policy, Scenario, ScenarioError, World, evaluate};
 use firmware_core::action::Action;
 use firmware_core::actor::{Actor, Mode, argmax as int8_argmax};
@@ -133,18 +134,13 @@ impl PolicyArg {
             Self::Hover => "hover",
             Self::Greedy => "greedy",
             Self::Centroid => "centroid",
+            Self::Follower => "follower",
             Self::Planner => "planner",
             Self::Remembering => "remembering",
             Self::Oracle => "oracle",
             Self::Parked => "parked",
         }
     }
-}
-
-/// Seed of the on-board random numbers in held-out world `index`.
-#[must_use]
-pub const fn policy_seed(seed: u64, index: u64) -> u64 {
-    (seed ^ 0x6576_616c).wrapping_add(index.wrapping_mul(0x9e37_79b9_7f4a_7c15))
 }
 
 impl Subject<'_> {
@@ -184,6 +180,7 @@ impl Subject<'_> {
             Self::Written(PolicyArg::Random) => Box::new(Random::new(trial.seed, index)),
             Self::Written(PolicyArg::Greedy) => Box::new(Greedy::new()),
             Self::Written(PolicyArg::Centroid) => Box::new(Centroid::new(trial.seed, index)),
+            Self::Written(PolicyArg::Follower) => Box::new(Follower::new(policy_seed(trial.seed, index))),
             Self::Written(PolicyArg::Planner) => Box::new(Planner::new()),
             Self::Written(PolicyArg::Remembering) => Box::new(RememberingPlanner::new()),
             Self::Written(PolicyArg::Oracle) => Box::new(FlyToSites::new()),

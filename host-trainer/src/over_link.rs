@@ -1,7 +1,8 @@
 //! The actor over a link that is not perfect: the rows of `eval --link`.
 
-use crate::measure::{EvalRow, Trial, mode_name, policy_seed};
+use crate::measure::{EvalRow, Trial, mode_name};
 use covey_env::Evaluation;
+use covey_env::policy_seed;
 use covey_env::radio::{LinkFigures, LinkSettings, OverLinkError, RadioPolicy, evaluate_over};
 use firmware_core::actor::Actor;
 use serde::{Deserialize, Serialize};

@@ -2,10 +2,11 @@
 
 use crate::commands::load_actor;
 use crate::finish::{EvaluationFile, trial};
-use crate::measure::{EvalRow, policy_seed};
+use crate::measure::EvalRow;
 use crate::run::RunFolder;
 use crate::settings::Settings;
 use crate::train::Row;
+use covey_env::policy_seed;
 use covey_env::{ActorPolicy, Trace};
 use covey_report::report::{
     Better, Cell, Chart, Column, Content, Episode, Estimate, Figure, Frame, Group, Reference, Report, Row as TableRow,

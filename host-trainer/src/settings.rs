@@ -3,6 +3,7 @@
 //! bad values are errors that say what would be right.
 
 use covey_env::radio::MAX_NODES;
+use covey_env::random::{below, stream};
 use covey_env::{Law, Scenario};
 use firmware_core::actor::Aggregation;
 use serde::{Deserialize, Serialize};
@@ -149,6 +150,10 @@ macro_rules! settings {
 settings! {
     /// UAVs in a world.
     uavs: u16 = 20, "1 to 10000", |v| (1..=10_000).contains(v);
+    /// How far the number of UAVs varies in training: in every second shard each round draws
+    /// its own, from `uavs` less this (at least 1) to `uavs` plus this. The curves are those of
+    /// the worlds with `uavs`.
+    uavs_spread: u16 = 0, "0 to 1000", |v| (0..=1_000).contains(v);
     /// Points of interest in a world.
     pois: u16 = 120, "1 to 60000", |v| (1..=60_000).contains(v);
     /// Law of the PoIs: "clustered" or "uniform".
@@ -216,9 +221,13 @@ settings! {
     /// Share of a UAV's training reward that is replaced by the mean over all UAVs. The
     /// reported reward stays the scenario's.
     team_share: f64 = 0.0, "0 to 1", |v| (0.0..=1.0).contains(v);
-    /// Weight of the planner's advice at the start: how strongly the policy is pulled towards
-    /// the action that the planner would take in its place (cross-entropy). It falls linearly
-    /// to 0; 0 learns without advice.
+    /// What a UAV pays in training for each PoI that it and exactly one other of its group
+    /// cover, over its energy: 1 is what that takes from the other's individual coverage, which
+    /// the scenario's reward leaves to the other alone. The reported reward stays the scenario's.
+    overlap_cost: f64 = 0.0, "0 to 10", |v| (0.0..=10.0).contains(v);
+    /// Weight of the observation's own advice at the start: how strongly the policy is pulled
+    /// towards the action that flies to the place which the observation names the best
+    /// (cross-entropy). It falls linearly to 0; 0 learns without advice.
     teacher: f64 = 1.0, "0 to 100", |v| (0.0..=100.0).contains(v);
     /// Episodes until the advice ends.
     teacher_episodes: u32 = 960, "1 to 100000000", |v| (1..=100_000_000).contains(v);
@@ -315,7 +324,7 @@ fn unknown(key: &str) -> SettingsError {
 }
 
 impl Settings {
-    /// Weight of the planner's advice in update `number` of the run, counted from 0.
+    /// Weight of the advice in update `number` of the run, counted from 0.
     #[must_use]
     pub fn teacher_at(&self, number: u64) -> f64 {
         let updates = f64::from(self.teacher_episodes) / f64::from(self.worlds) * f64::from(self.steps / self.segment);
@@ -383,11 +392,15 @@ impl Settings {
                 self.shards, self.worlds
             )));
         }
-        if self.lossy() && usize::from(self.uavs) > MAX_NODES {
+        let most = usize::from(self.uavs) + usize::from(self.uavs_spread);
+        if self.lossy() && most > MAX_NODES {
             return Err(SettingsError::Together(format!(
-                "`uavs` is {}, but with `link_loss` or `link_delay` it must be at most {MAX_NODES}",
-                self.uavs
+                "up to {most} UAVs (`uavs` and `uavs_spread`), but with `link_loss` or `link_delay` there may be at \
+                 most {MAX_NODES}"
             )));
+        }
+        if self.uavs_spread > 0 && self.shards < 2 {
+            return Err(SettingsError::Together("`uavs_spread` needs at least 2 `shards`".to_owned()));
         }
         Ok(())
     }
@@ -408,6 +421,29 @@ impl Settings {
             side_u: self.side as f32,
             steps: self.steps,
         }
+    }
+
+    /// UAVs in the worlds of shard `shard` in round `round`, both counted from 0.
+    #[must_use]
+    pub fn uavs_in(&self, round: u32, shard: u32) -> u16 {
+        if self.uavs_spread == 0 || shard.is_multiple_of(2) {
+            return self.uavs;
+        }
+        let mut random = stream("swarm sizes", self.seed, u64::from(round) * u64::from(self.shards) + u64::from(shard));
+        let (least, most) = (self.uavs.saturating_sub(self.uavs_spread).max(1), self.uavs + self.uavs_spread);
+        least + below(&mut random, u32::from(most - least) + 1) as u16
+    }
+
+    /// Agent-steps in the first `rounds` rounds.
+    #[must_use]
+    pub fn agent_steps(&self, rounds: u32) -> u64 {
+        let (worlds, shards) = (u64::from(self.worlds), u64::from(self.shards));
+        let size = |shard: u64| (shard + 1) * worlds / shards - shard * worlds / shards;
+        if self.uavs_spread == 0 {
+            return u64::from(rounds) * worlds * u64::from(self.uavs) * u64::from(self.steps);
+        }
+        let in_round = |round| (0..shards).map(|k| size(k) * u64::from(self.uavs_in(round, k as u32))).sum::<u64>();
+        (0..rounds).map(in_round).sum::<u64>() * u64::from(self.steps)
     }
 
     /// Rounds of `worlds` episodes in the whole run.

@@ -1,38 +1,7 @@
-//! Where it would pay to go: what is free around a UAV, and which way its neighbours
-//! push.
+//! What is free around a UAV, and which way its neighbours push.
 
-use super::{COVER, Neighbour, RANGE};
-use crate::geometry::{TICKS_PER_U, Vec2, div_round};
-
-/// Places at which free PoIs are counted: here, and along eight directions 4 u and 8 u
-/// away.
-pub(super) const SPOTS: usize = 17;
-
-/// The places as offsets, ticks.
-static SPOT: [(i32, i32); SPOTS] = {
-    const fn ring(spots: &mut [(i32, i32); SPOTS], at: usize, reach: i32, diagonal: i32) {
-        let ring = [
-            (reach, 0),
-            (diagonal, -diagonal),
-            (0, -reach),
-            (-diagonal, -diagonal),
-            (-reach, 0),
-            (-diagonal, diagonal),
-            (0, reach),
-            (diagonal, diagonal),
-        ];
-        let mut k = 0;
-        while k < ring.len() {
-            spots[at + k] = ring[k];
-            k += 1;
-        }
-    }
-    let mut spots = [(0, 0); SPOTS];
-    // 4 u and 8 u, and √½ of them.
-    ring(&mut spots, 1, 4 * TICKS_PER_U, 2896);
-    ring(&mut spots, 9, 8 * TICKS_PER_U, 5793);
-    spots
-};
+use super::{Neighbour, RANGE};
+use crate::geometry::{Vec2, div_round};
 
 /// The PoIs in view that no neighbour covers.
 #[derive(Default)]
@@ -40,8 +9,6 @@ pub(super) struct Free {
     /// How many.
     pub(super) count: i32,
     sum: (i32, i32),
-    /// How many lie in coverage range of each place.
-    pub(super) gains: [i32; SPOTS],
 }
 
 impl Free {
@@ -50,11 +17,6 @@ impl Free {
         self.count += 1;
         // |Δ| < 2^14: sums of 2^16 PoIs fit.
         self.sum = (self.sum.0.wrapping_add(offset.x), self.sum.1.wrapping_add(offset.y));
-        for (gain, &(x, y)) in self.gains.iter_mut().zip(&SPOT) {
-            // At most (13 + 8)·1,024 ticks an axis: the sum of squares stays below 2^31.
-            let (x, y) = (offset.x - x, offset.y - y);
-            *gain += i32::from(x * x + y * y <= COVER * COVER);
-        }
     }
 
     /// Their mean offset, ticks; zero when there are none.

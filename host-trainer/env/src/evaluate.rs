@@ -7,6 +7,12 @@ use crate::world::World;
 use firmware_core::action::Action;
 use rayon::prelude::*;
 
+/// Seed of the on-board random numbers in held-out world `index` of `seed`.
+#[must_use]
+pub const fn policy_seed(seed: u64, index: u64) -> u64 {
+    (seed ^ 0x6576_616c).wrapping_add(index.wrapping_mul(0x9e37_79b9_7f4a_7c15))
+}
+
 /// Metrics of a policy, world by world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evaluation {

@@ -34,7 +34,7 @@ mod view;
 mod world;
 
 pub use actor_policy::{ActorPolicy, heard};
-pub use evaluate::{Evaluation, evaluate, evaluate_with};
+pub use evaluate::{Evaluation, evaluate, evaluate_with, policy_seed};
 pub use metrics::EpisodeMetrics;
 pub use policy::Policy;
 pub use scenario::{Law, Scenario, ScenarioError};

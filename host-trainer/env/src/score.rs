@@ -18,6 +18,8 @@ const GROUP_SHARE: f32 = 0.1;
 pub(crate) struct Score {
     pub(crate) reward: Vec<f32>,
     pub(crate) individual: Vec<u32>,
+    /// PoIs that each UAV and exactly one other of its group cover.
+    pub(crate) overlap: Vec<u32>,
     pub(crate) group: Vec<u32>,
     pub(crate) group_size: Vec<u32>,
     pub(crate) near_border: Vec<bool>,
@@ -28,8 +30,10 @@ pub(crate) struct Score {
     pub(crate) steps_covered: Vec<u32>,
     /// Number of the last group that covered each PoI; numbers never repeat.
     last_group: Vec<u64>,
-    /// Which member did, [`SHARED`] if several.
+    /// Which member did first, [`SHARED`] if more than two did.
     owner: Vec<u32>,
+    /// Which member did second, [`SHARED`] if none.
+    second: Vec<u32>,
     /// Next number for a group.
     next_group: u64,
     /// First number of the present state.
@@ -55,6 +59,7 @@ impl Score {
         Self {
             reward: vec![0.0; uavs],
             individual: vec![0; uavs],
+            overlap: vec![0; uavs],
             group: vec![0; uavs],
             group_size: vec![1; uavs],
             near_border: vec![false; uavs],
@@ -63,6 +68,7 @@ impl Score {
             steps_covered: vec![0; pois],
             last_group: vec![0; pois],
             owner: vec![SHARED; pois],
+            second: vec![SHARED; pois],
             next_group: 1,
             first_group: 1,
         }
@@ -85,6 +91,7 @@ impl Score {
         self.first_group = self.next_group;
         self.covered = 0;
         self.individual.fill(0);
+        self.overlap.fill(0);
         for members in scene.groups.iter() {
             let group = self.next_group;
             self.next_group += 1;
@@ -119,12 +126,21 @@ impl Score {
                         self.steps_covered[p] += 1;
                     }
                     self.last_group[p] = group;
-                    self.owner[p] = i;
+                    (self.owner[p], self.second[p]) = (i, SHARED);
                     self.individual[i as usize] += 1;
                     first += 1;
                 } else if self.owner[p] != SHARED {
-                    self.individual[self.owner[p] as usize] -= 1;
-                    self.owner[p] = SHARED;
+                    let (owner, second) = (self.owner[p] as usize, self.second[p]);
+                    if second == SHARED {
+                        self.individual[owner] -= 1;
+                        self.overlap[owner] += 1;
+                        self.overlap[i as usize] += 1;
+                        self.second[p] = i;
+                    } else {
+                        self.overlap[owner] -= 1;
+                        self.overlap[second as usize] -= 1;
+                        self.owner[p] = SHARED;
+                    }
                 }
             }
         }

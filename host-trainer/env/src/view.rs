@@ -96,6 +96,19 @@ impl World {
         )
     }
 
+    /// PoIs that each UAV and exactly one other of its group cover: what a UAV's presence
+    /// takes from the others' individual coverage.
+    #[must_use]
+    pub fn overlaps(&self) -> &[u32] {
+        &self.score.overlap
+    }
+
+    /// Energy of the last step, one a UAV: 0.5 hovering, 1 at full speed.
+    #[must_use]
+    pub fn energies(&self) -> &[f32] {
+        &self.score.energy
+    }
+
     /// Rewards of the last step. Before the first, what the spawn state would pay.
     #[must_use]
     pub fn rewards(&self) -> &[f32] {

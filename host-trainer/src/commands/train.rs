@@ -152,12 +152,12 @@ impl Session {
         if self.episodes() == 0 {
             self.checkpoint()?;
         }
-        let (start, first) = (Instant::now(), self.episodes());
+        let (start, before) = (Instant::now(), s.agent_steps(self.trainer.state().rounds));
         let mut saved = self.episodes();
         while !self.trainer.done() && !stop.load(Ordering::SeqCst) {
             let row = self.trainer.round(workers);
             self.record(&row)?;
-            let agent_steps = (row.episodes - first) * u64::from(s.steps) * u64::from(s.uavs);
+            let agent_steps = row.agent_steps - before;
             self.progress.update(&Status {
                 episodes: row.episodes,
                 elapsed: start.elapsed(),

@@ -27,13 +27,13 @@ pub enum Eyes {
 }
 
 impl Eyes {
-    /// Of the worlds of a run.
+    /// Of a world of `uavs` UAVs.
     ///
     /// # Errors
     /// More UAVs than a link serves.
-    pub fn new(s: &Settings) -> Result<Self, LinkError> {
+    pub fn new(s: &Settings, uavs: usize) -> Result<Self, LinkError> {
         Ok(if s.lossy() {
-            Self::Linked(Box::new(RadioObserver::new(usize::from(s.uavs))?))
+            Self::Linked(Box::new(RadioObserver::new(uavs)?))
         } else {
             Self::Perfect(Observer::new(0, s.tie_period))
         })
@@ -88,10 +88,10 @@ mod tests {
 
     #[test]
     fn a_run_without_a_link_sees_everything() {
-        assert!(matches!(Eyes::new(&Settings::default()), Ok(Eyes::Perfect(_))));
+        assert!(matches!(Eyes::new(&Settings::default(), 20), Ok(Eyes::Perfect(_))));
         for s in [Settings { link_loss: 0.1, ..Settings::default() }, Settings { link_delay: 1, ..Settings::default() }]
         {
-            assert!(matches!(Eyes::new(&s), Ok(Eyes::Linked(_))));
+            assert!(matches!(Eyes::new(&s, 20), Ok(Eyes::Linked(_))));
         }
     }
 }

@@ -5,9 +5,9 @@ use super::link::Eyes;
 use super::networks::{Networks, Workspace};
 use super::softmax;
 use crate::settings::Settings;
-use covey_env::baselines::Planner;
+use covey_env::baselines::advice;
 use covey_env::radio::OverLinkError;
-use covey_env::{EpisodeMetrics, Links, Policy, World};
+use covey_env::{EpisodeMetrics, Links, Scenario, World};
 use covey_net::worlds_in_pass;
 use firmware_core::action::{ACTIONS, Action};
 use firmware_core::observation::{LEN, Observation};
@@ -27,9 +27,8 @@ pub struct Shard {
     pub links: Vec<Links>,
     /// Actions taken.
     pub actions: Vec<Action>,
-    /// Actions that the planner advised, while it is asked.
+    /// Actions that the observations advised, while they are asked.
     pub advice: Vec<Action>,
-    teachers: Vec<Planner>,
     /// Their log-probabilities.
     pub log_probabilities: Vec<f32>,
     rewards: Vec<f32>,
@@ -52,25 +51,51 @@ impl Shard {
     /// # Errors
     /// When the scenario or the link cannot be built.
     pub fn new(s: &Settings, count: usize) -> Result<Self, OverLinkError> {
-        let (uavs, steps) = (usize::from(s.uavs), s.segment as usize);
-        let (row, cells) = (count * uavs, count * uavs * steps);
-        Ok(Self {
-            worlds: (0..count).map(|_| World::new(&s.world())).collect::<Result<_, _>>()?,
+        let mut shard = Self {
+            worlds: Vec::new(),
             policy_seeds: vec![0; count],
-            eyes: vec![Eyes::new(s)?; count],
-            uavs,
-            steps,
-            observations: vec![[0; LEN]; cells + row],
-            links: vec![Links::default(); cells + row],
-            actions: vec![Action::COAST; cells],
-            advice: vec![Action::COAST; cells],
-            teachers: vec![Planner::new(); count],
-            log_probabilities: vec![0.0; cells],
-            rewards: vec![0.0; cells],
-            values: vec![0.0; cells + row],
-            advantages: vec![0.0; cells],
-            returns: vec![0.0; cells],
-        })
+            eyes: Vec::new(),
+            uavs: 0,
+            steps: s.segment as usize,
+            observations: Vec::new(),
+            links: Vec::new(),
+            actions: Vec::new(),
+            advice: Vec::new(),
+            log_probabilities: Vec::new(),
+            rewards: Vec::new(),
+            values: Vec::new(),
+            advantages: Vec::new(),
+            returns: Vec::new(),
+        };
+        shard.resize(s, usize::from(s.uavs))?;
+        Ok(shard)
+    }
+
+    /// Makes worlds and buffers for swarms of `uavs`.
+    fn resize(&mut self, s: &Settings, uavs: usize) -> Result<(), OverLinkError> {
+        let count = self.policy_seeds.len();
+        let (row, cells) = (count * uavs, count * uavs * self.steps);
+        let scenario = Scenario { uavs, ..s.world() };
+        self.worlds = (0..count).map(|_| World::new(&scenario)).collect::<Result<_, _>>()?;
+        self.eyes = vec![Eyes::new(s, uavs)?; count];
+        self.uavs = uavs;
+        self.observations.resize(cells + row, [0; LEN]);
+        self.links.resize(cells + row, Links::default());
+        self.values.resize(cells + row, 0.0);
+        for actions in [&mut self.actions, &mut self.advice] {
+            actions.resize(cells, Action::COAST);
+        }
+        let Self { log_probabilities, rewards, advantages, returns, .. } = self;
+        for numbers in [log_probabilities, rewards, advantages, returns] {
+            numbers.resize(cells, 0.0);
+        }
+        Ok(())
+    }
+
+    /// UAVs in each of its worlds.
+    #[must_use]
+    pub const fn uavs(&self) -> usize {
+        self.uavs
     }
 
     /// Worlds in this shard.
@@ -83,17 +108,19 @@ impl Shard {
         self.worlds.len() * self.uavs
     }
 
-    /// Begins new episodes, numbered from `first`.
-    pub fn reset(&mut self, s: &Settings, first: u64) {
+    /// Begins new episodes of `uavs` UAVs each, numbered from `first`.
+    ///
+    /// # Panics
+    /// When no world can have so many.
+    pub fn reset(&mut self, s: &Settings, first: u64, uavs: u16) {
+        if usize::from(uavs) != self.uavs {
+            self.resize(s, uavs.into()).expect("settings allow these numbers of UAVs");
+        }
         for (k, world) in self.worlds.iter_mut().enumerate() {
             let episode = first + k as u64;
             world.reset(s.seed, episode);
             self.policy_seeds[k] = policy_seed(s.seed, episode);
             self.eyes[k].begin(s, self.policy_seeds[k]);
-            if s.teacher > 0.0 {
-                self.teachers[k] = Planner::as_teacher(self.policy_seeds[k], s.tie_period);
-                self.teachers[k].begin(world);
-            }
         }
         let at = self.steps * self.row();
         self.observe(at);
@@ -110,7 +137,7 @@ impl Shard {
     }
 
     /// Plays a segment with sampled actions, values it and computes advantages.
-    /// With `advised` the planner is asked too.
+    /// With `advised` the observations are asked for advice too.
     pub fn play(&mut self, s: &Settings, nets: &Networks, norm: &ValueNorm, advised: bool, work: &mut Workspace) {
         let row = self.row();
         let last = self.steps * row;
@@ -159,11 +186,14 @@ impl Shard {
         }
     }
 
-    /// Asks the planner what it would do in the state before step `t`.
+    /// What the observations before step `t` advise.
     fn ask(&mut self, t: usize) {
         let (n, row) = (self.uavs, self.row());
-        for (k, (world, teacher)) in self.worlds.iter().zip(&mut self.teachers).enumerate() {
-            teacher.act(world, &mut self.advice[t * row + k * n..t * row + (k + 1) * n]);
+        for (k, world) in self.worlds.iter().enumerate() {
+            for i in 0..n {
+                let at = t * row + k * n + i;
+                self.advice[at] = advice(&self.observations[at], world.velocity(i));
+            }
         }
     }
 
@@ -189,9 +219,10 @@ impl Shard {
             world.step(&self.actions[place.clone()]);
             let rewards = world.rewards();
             let team = rewards.iter().sum::<f32>() / n as f32;
-            let share = s.team_share as f32;
-            for (r, own) in self.rewards[place].iter_mut().zip(rewards) {
-                *r = own + share * (team - own);
+            let (share, cost) = (s.team_share as f32, s.overlap_cost as f32);
+            let taken = world.overlaps().iter().zip(world.energies());
+            for ((r, own), (&overlap, energy)) in self.rewards[place].iter_mut().zip(rewards).zip(taken) {
+                *r = own + share * (team - own) - cost * overlap as f32 / energy;
             }
         }
     }

@@ -243,8 +243,9 @@ impl Trainer {
                 own
             })
             .collect();
+        let round = self.state.rounds;
         let work: Vec<_> = self.shards.iter_mut().zip(firsts).collect();
-        workers.run(work, |_, (shard, first)| shard.reset(&s, first));
+        workers.run(work, |k, (shard, first)| shard.reset(&s, first, s.uavs_in(round, k as u32)));
         let segments = s.steps / s.segment;
         let (mut total, mut explained, mut rate) = (Outcome::default(), 0.0, 0.0);
         for segment in 0..segments {
@@ -266,7 +267,7 @@ impl Trainer {
     /// moves on as in training, except that [`Stage::Environment`] learns nothing.
     pub fn time(&mut self, stage: Stage, workers: &Workers) -> Duration {
         let s = self.settings.clone();
-        workers.run(self.shards.iter_mut().collect(), |k, shard| shard.reset(&s, k as u64));
+        workers.run(self.shards.iter_mut().collect(), |k, shard| shard.reset(&s, k as u64, s.uavs));
         let mut spent = Duration::ZERO;
         for segment in 0..s.steps / s.segment {
             let start = Instant::now();
@@ -294,7 +295,7 @@ impl Trainer {
         self.work.iter_mut().filter_map(|w| w.counted.take()).sum()
     }
 
-    /// Plays a segment in every world, with or without the planner's advice.
+    /// Plays a segment in every world, with or without advice.
     fn play(&mut self, s: &Settings, advised: bool, workers: &Workers) {
         let (nets, norm) = (&self.nets, self.state.norm);
         let items = self.shards.iter_mut().zip(&mut self.work).collect();
@@ -308,7 +309,6 @@ impl Trainer {
         let segment = Segment {
             advantage: moments(&all(|s| &s.advantages)),
             shards: &self.shards,
-            uavs: usize::from(s.uavs),
             steps: s.segment as usize,
             norm: self.state.norm,
         };
@@ -352,13 +352,15 @@ impl Trainer {
 
     fn row(&self, o: &Outcome, explained_variance: f64, learning_rate: f64) -> Row {
         let s = &self.settings;
-        let all: Vec<EpisodeMetrics> = self.shards.iter().flat_map(Shard::metrics).collect();
+        // Swarms of other sizes would blur the curves; the first shard never has one.
+        let usual = self.shards.iter().filter(|shard| shard.uavs() == usize::from(s.uavs));
+        let all: Vec<EpisodeMetrics> = usual.flat_map(Shard::metrics).collect();
         let mean = |f: fn(&EpisodeMetrics) -> f64| all.iter().map(f).sum::<f64>() / all.len() as f64;
         let episodes = u64::from(self.state.rounds) * u64::from(s.worlds);
         let of = |v: f64| v / o.sums.samples;
         Row {
             episodes,
-            agent_steps: episodes * u64::from(s.steps) * u64::from(s.uavs),
+            agent_steps: s.agent_steps(self.state.rounds),
             coverage: mean(|m| m.coverage),
             coverage_last: mean(|m| m.coverage_last),
             energy: mean(|m| m.energy),

@@ -13,6 +13,8 @@ use covey_net::{ActorNet, CriticNet, worlds_in_pass};
 /// A world-step of the segment.
 #[derive(Clone, Copy)]
 struct Place {
+    /// UAVs in that world.
+    uavs: u32,
     shard: u32,
     /// Index of its first UAV in the shard's arrays.
     first: u32,
@@ -22,8 +24,6 @@ struct Place {
 pub struct Segment<'s> {
     /// The shards, played.
     pub shards: &'s [Shard],
-    /// UAVs in a world.
-    pub uavs: usize,
     /// Steps in the segment.
     pub steps: usize,
     /// Mean and deviation of the advantages.
@@ -88,7 +88,8 @@ pub struct Outcome {
 /// Runs an update.
 pub fn update(learner: &mut Learner<'_>, segment: &Segment<'_>, plan: &Plan, workers: &Workers) -> Outcome {
     let mut places = places(segment);
-    let count = ((places.len() * segment.uavs + plan.minibatch / 2) / plan.minibatch).clamp(1, places.len());
+    let samples = samples(&places);
+    let count = ((samples + plan.minibatch / 2) / plan.minibatch).clamp(1, places.len());
     let mut random = stream("ppo shuffle", plan.shuffle.0, plan.shuffle.1);
     let mut outcome = Outcome::default();
     for _ in 0..plan.epochs {
@@ -96,7 +97,8 @@ pub fn update(learner: &mut Learner<'_>, segment: &Segment<'_>, plan: &Plan, wor
             places.swap(k, below(&mut random, k as u32 + 1) as usize);
         }
         for m in 0..count {
-            let batch = &places[m * places.len() / count..(m + 1) * places.len() / count];
+            let [from, to] = [m, m + 1].map(|m| m * places.len() / count);
+            let batch = &mut places[from..to];
             outcome.sums.add(&gradient(learner, segment, plan, workers, batch));
             let norms = step(learner, plan, workers);
             outcome.norms.iter_mut().zip(norms).for_each(|(sum, norm)| *sum += norm);
@@ -109,16 +111,30 @@ pub fn update(learner: &mut Learner<'_>, segment: &Segment<'_>, plan: &Plan, wor
 fn places(segment: &Segment<'_>) -> Vec<Place> {
     let mut places = Vec::new();
     for (shard, s) in segment.shards.iter().enumerate() {
-        let world_steps = s.worlds() * segment.steps;
-        places.extend((0..world_steps).map(|k| Place { shard: shard as u32, first: (k * segment.uavs) as u32 }));
+        let (world_steps, uavs) = (s.worlds() * segment.steps, s.uavs());
+        let place = |k| Place { uavs: uavs as u32, shard: shard as u32, first: (k * uavs) as u32 };
+        places.extend((0..world_steps).map(place));
     }
     places
 }
 
+/// UAVs in these world-steps.
+fn samples(places: &[Place]) -> usize {
+    places.iter().map(|p| p.uavs as usize).sum()
+}
+
 /// Gradient of the mean loss of a minibatch, for both networks: the first of each
 /// workspace's `gradients` are the parts to sum.
-fn gradient(learner: &mut Learner<'_>, segment: &Segment<'_>, plan: &Plan, workers: &Workers, batch: &[Place]) -> Sums {
-    let loss = Loss { samples: (batch.len() * segment.uavs) as f32, ..plan.loss };
+fn gradient(
+    learner: &mut Learner<'_>,
+    segment: &Segment<'_>,
+    plan: &Plan,
+    workers: &Workers,
+    batch: &mut [Place],
+) -> Sums {
+    let loss = Loss { samples: samples(batch) as f32, ..plan.loss };
+    // A pass is of worlds of one size. The sort is stable, so it changes nothing where there is but one.
+    batch.sort_by_key(|p| p.uavs);
     let parts = learner.work.len();
     let slices = (0..parts).map(|p| &batch[p * batch.len() / parts..(p + 1) * batch.len() / parts]);
     let items = slices.zip(&mut *learner.work).collect();
@@ -137,10 +153,12 @@ fn gradient(learner: &mut Learner<'_>, segment: &Segment<'_>, plan: &Plan, worke
 /// Loss and gradients of a part of a minibatch.
 fn part(nets: &Networks, segment: &Segment<'_>, loss: &Loss, places: &[Place], work: &mut Workspace) -> Sums {
     let mut sums = Sums::default();
-    let uavs = segment.uavs;
     work.sums.0.clear();
     work.sums.1.clear();
-    for places in places.chunks(worlds_in_pass(uavs, places.len())) {
+    let of_one_size = places.chunk_by(|a, b| a.uavs == b.uavs);
+    let passes = of_one_size.flat_map(|p| p.chunks(worlds_in_pass(p[0].uavs as usize, p.len())));
+    for places in passes {
+        let uavs = places[0].uavs as usize;
         work.inputs.clear(uavs);
         work.samples.clear();
         for p in places {

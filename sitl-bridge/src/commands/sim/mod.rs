@@ -18,7 +18,7 @@ use crate::mission::{Layers, Mission, Origin, OriginError, square_fence};
 use crate::node::{SettingsError, Timing};
 use crate::signing::LinkSigning;
 use crate::summary::Summary;
-use covey_env::{Scenario, ScenarioError, World};
+use covey_env::{Scenario, ScenarioError, World, policy_seed};
 use firmware_core::actor::{Actor, Mode};
 use std::io;
 use std::path::PathBuf;
@@ -207,10 +207,4 @@ impl<'a> Simulation<'a> {
         }
         Ok(mission)
     }
-}
-
-/// Seed of the on-board random numbers in held-out world `index`: that of `host-trainer eval`,
-/// so that its figures can be compared.
-const fn policy_seed(seed: u64, index: u64) -> u64 {
-    (seed ^ 0x6576_616c).wrapping_add(index.wrapping_mul(0x9e37_79b9_7f4a_7c15))
 }

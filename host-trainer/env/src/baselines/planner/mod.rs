@@ -18,7 +18,6 @@ use crate::policy::Policy;
 use crate::world::World;
 use firmware_core::action::Action;
 use firmware_core::geometry::OBSERVATION_RANGE_U;
-use firmware_core::random::tie_breaker;
 use ground::Ground;
 use memory::Memory;
 use place::{Brief, Chooser, Claim, Column, Weights};
@@ -44,11 +43,6 @@ const HORIZON: f64 = 8.0;
 /// they are. The same information as the trained actor's.
 #[derive(Clone, Debug, Default)]
 pub struct Planner {
-    /// Policy seed and period of the tie-breakers that rank UAVs; without them the lowest
-    /// id goes first.
-    ties: Option<(u64, u32)>,
-    /// Whether it does without what its neighbours see.
-    alone: bool,
     ground: Option<Ground>,
     pois: Vec<place::Poi>,
     claims: Vec<Claim>,
@@ -63,20 +57,6 @@ impl Planner {
         Self::default()
     }
 
-    /// One that uses what an actor finds in its own observation: the PoIs that it sees
-    /// itself, its neighbours' places, and who goes first by the tie-breakers.
-    #[must_use]
-    pub fn as_teacher(policy_seed: u64, tie_period: u32) -> Self {
-        Self { ties: Some((policy_seed, tie_period)), alone: true, ..Self::default() }
-    }
-
-    /// Whether UAV `i` goes before UAV `j`.
-    fn goes_before(&self, i: usize, j: usize, step: u32) -> bool {
-        let Some((seed, period)) = self.ties else { return i < j };
-        let rank = |k: usize| (tie_breaker(seed, k as u16, step, period), k);
-        rank(i) > rank(j)
-    }
-
     /// Where UAV `i` wants to be, u.
     fn target(&mut self, world: &World, ground: &Ground, i: usize) -> (f64, f64) {
         let (at, velocity) = (pair(world.position(i)), pair(world.velocity(i)));
@@ -89,15 +69,15 @@ impl Planner {
                 at: place,
                 target: place,
                 age: 0.0,
-                junior: self.goes_before(i, j, world.steps_done()),
+                // The lowest id goes first.
+                junior: i < j,
             });
         }
         // In the order of ids, so that sums do not depend on how the world lists them.
         self.claims.sort_unstable_by_key(|c| c.id);
         self.pois.clear();
         self.met.resize(world.scenario().pois, false);
-        let others = if self.alone { &[][..] } else { &self.claims };
-        let eyes = || std::iter::once(at).chain(others.iter().map(|c| c.at));
+        let eyes = || std::iter::once(at).chain(self.claims.iter().map(|c| c.at));
         for (x, y) in eyes() {
             for p in world.pois_within(x as f32, y as f32, OBSERVATION_RANGE_U as f32) {
                 if !std::mem::replace(&mut self.met[p], true) {

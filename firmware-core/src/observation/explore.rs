@@ -1,0 +1,122 @@
+//! Which way PoIs may be found that are out of view.
+//!
+//! Sixteen places 16 u away, all round, are worth the PoIs to be expected beyond the view:
+//! fewer towards the edge of the map, more where PoIs in view lie that way. A place that a
+//! neighbour sees promises less, or nothing when that neighbour goes first.
+
+use super::{Neighbours, SeenPoi};
+use crate::geometry::{TICKS_PER_U, Vec2};
+
+/// Directions.
+pub(super) const DIRECTIONS: usize = 16;
+/// How far away the places are, u: a flight of four steps.
+const FAR_U: i32 = 16;
+/// Where PoIs in view point that way, u along the direction.
+const HINT_U: i32 = 10;
+/// PoIs within this distance of that point do, in 1/4 u: 9 u.
+const HINT: i16 = 4 * 9;
+/// A neighbour within this distance of a place sees it, in 1/2 u: 15 u.
+const SEES: i16 = 2 * 15;
+/// Distance from the edge of the map from which on PoIs are as likely as anywhere, u.
+const EDGE_U: i32 = 32;
+
+/// PoIs to be expected, in 1/64: far from the edge with nothing known, and what a PoI in view
+/// adds, up to the most.
+const EXPECTED: i16 = 170;
+const HINTED: i16 = 40;
+const HINTED_MOST: i16 = 195;
+/// Steps that are left after the flight, and what a neighbour that yields leaves of them, in 16ths.
+const LEFT: i16 = 4 * 16;
+const LEFT_BY_JUNIOR: i16 = 41;
+
+/// A number a direction.
+type Round = [i16; DIRECTIONS];
+
+/// Unit vectors in 1/1024.
+pub(super) static AROUND: [(i32, i32); DIRECTIONS] = [
+    (1024, 0),
+    (946, 392),
+    (724, 724),
+    (392, 946),
+    (0, 1024),
+    (-392, 946),
+    (-724, 724),
+    (-946, 392),
+    (-1024, 0),
+    (-946, -392),
+    (-724, -724),
+    (-392, -946),
+    (0, -1024),
+    (392, -946),
+    (724, -724),
+    (946, -392),
+];
+
+/// Points at one distance all round.
+struct Points {
+    x: Round,
+    y: Round,
+}
+
+impl Points {
+    /// `reach` away, in whatever unit.
+    const fn new(reach: i32) -> Self {
+        let (mut points, mut k) = (Self { x: [0; DIRECTIONS], y: [0; DIRECTIONS] }, 0);
+        while k < DIRECTIONS {
+            (points.x[k], points.y[k]) = ((AROUND[k].0 * reach / 1024) as i16, (AROUND[k].1 * reach / 1024) as i16);
+            k += 1;
+        }
+        points
+    }
+
+    /// Calls `near` with what belongs to the points within `range` of a place, in the same unit;
+    /// squares of distances must fit 16 bits.
+    fn near(&self, (x, y): (i16, i16), range: i16, values: &mut Round, near: impl Fn(i16) -> i16) {
+        for ((value, px), py) in values.iter_mut().zip(&self.x).zip(&self.y) {
+            let (dx, dy) = (x - px, y - py);
+            *value = if dx * dx + dy * dy <= range * range { near(*value) } else { *value };
+        }
+    }
+}
+
+/// The places in 1/2 u, and the points around which PoIs in view are counted in 1/4 u.
+static PLACES: Points = Points::new(2 * FAR_U);
+static HINTS: Points = Points::new(4 * HINT_U);
+
+/// The place in a direction, ticks.
+pub(super) fn place(direction: usize) -> Vec2 {
+    let (ux, uy) = AROUND.get(direction).copied().unwrap_or_default();
+    Vec2 { x: ux * FAR_U, y: uy * FAR_U }
+}
+
+/// What the places are worth, 64ths of a PoI-step. `neighbours` come with whether each yields.
+pub(super) fn outlooks(
+    position: Vec2,
+    half_side: i32,
+    pois: &[SeenPoi],
+    neighbours: &Neighbours,
+    yields: impl Fn(&super::Neighbour) -> bool,
+) -> Round {
+    let mut hints = [0; DIRECTIONS];
+    for poi in pois {
+        let at = poi.offset();
+        HINTS.near(((at.x >> 8) as i16, (at.y >> 8) as i16), HINT, &mut hints, |n| n + 1);
+    }
+    let mut left = [LEFT; DIRECTIONS];
+    for n in neighbours.as_slice() {
+        let most = if yields(n) { LEFT_BY_JUNIOR } else { 0 };
+        PLACES.near(((n.offset.x >> 9) as i16, (n.offset.y >> 9) as i16), SEES, &mut left, |l| l.min(most));
+    }
+    // 0 to 32: how likely PoIs are so far from the edge.
+    let inside = |at: i32| {
+        let from_edge = half_side.saturating_sub(at.saturating_sub(half_side).saturating_abs());
+        (from_edge.clamp(0, EDGE_U * TICKS_PER_U) / TICKS_PER_U) as i16
+    };
+    core::array::from_fn(|k| {
+        let place = place(k);
+        let (x, y) = (inside(position.x.saturating_add(place.x)), inside(position.y.saturating_add(place.y)));
+        let likely = (x * y) >> 5;
+        let hinted = if likely > 0 { (hints[k] * HINTED).min(HINTED_MOST) } else { 0 };
+        ((((EXPECTED * likely) >> 5) + hinted) * left[k]) >> 4
+    })
+}
