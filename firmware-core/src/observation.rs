@@ -38,8 +38,12 @@ use heapless::Vec;
 use places::{Free, push};
 
 mod best;
+pub mod cells;
 mod explore;
+mod form;
 mod places;
+
+pub use form::Form;
 
 /// Identifies this form of the observation in actor files.
 pub const ID: u16 = 2;

@@ -299,9 +299,10 @@ pub struct Bench {
     /// Runs of each stage; the medians are printed.
     #[arg(long, value_name = "N", default_value_t = 3)]
     pub repeats: u32,
-    /// Numbers of the observation that the networks take, the first ones: 1 to 160.
-    #[arg(long, value_name = "N", default_value_t = LEN as u16, value_parser = clap::value_parser!(u16).range(1..=LEN as i64))]
-    pub inputs: u16,
+    /// Numbers of a compact observation that the networks take, the first ones: 1 to 160
+    /// [default: all].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=LEN as i64))]
+    pub inputs: Option<u16>,
     /// Another program's measurement, a command for the shell: it and training take turns,
     /// and the ratios of the rates are printed.
     #[arg(long, value_name = "COMMAND")]

@@ -2,16 +2,17 @@
 
 use crate::settings::Settings;
 use crate::train::{dimensions, sample};
-use covey_env::{Links, Observer, Policy, World};
+use covey_env::{Links, ObservationForm, Observer, Policy, Sights, SightsMut, World};
 use covey_net::{ActorNet, ActorPass, Inputs, Layout, Rows};
 use firmware_core::action::Action;
 use firmware_core::actor::{Aggregation, Dimensions, Mode};
-use firmware_core::observation::{LEN, Observation};
 use firmware_core::random::action_draw;
 
 /// A trained actor in floats.
 #[derive(Clone, Debug)]
 pub struct FloatActor {
+    /// What it observes.
+    pub observation: ObservationForm,
     /// Form.
     pub aggregation: Aggregation,
     /// Widths.
@@ -35,7 +36,7 @@ impl FloatActor {
         for piece in layout.pieces().iter().filter(|p| p.name.starts_with("output")) {
             values[piece.start..piece.start + piece.len()].iter_mut().for_each(|v| *v /= s.temperature as f32);
         }
-        Self { aggregation, dimensions, tie_period: s.tie_period, layout, values }
+        Self { observation: s.observation, aggregation, dimensions, tie_period: s.tie_period, layout, values }
     }
 
     /// It as products read it.
@@ -55,7 +56,7 @@ pub struct FloatPolicy<'n> {
     observer: Observer,
     seed: u64,
     mode: Mode,
-    observations: Vec<Observation>,
+    observations: Sights,
     links: Vec<Links>,
     draws: Vec<f64>,
 }
@@ -66,12 +67,12 @@ impl<'n> FloatPolicy<'n> {
     pub fn new(actor: &FloatActor, net: &'n ActorNet, seed: u64, mode: Mode) -> Self {
         Self {
             net,
-            inputs: Inputs::new(actor.dimensions.observation.into()),
+            inputs: Inputs::of(actor.observation),
             pass: ActorPass::new(&actor.layout),
             observer: Observer::new(seed, actor.tie_period),
             seed,
             mode,
-            observations: Vec::new(),
+            observations: Sights::new(actor.observation, 0),
             links: Vec::new(),
             draws: Vec::new(),
         }
@@ -80,9 +81,12 @@ impl<'n> FloatPolicy<'n> {
     /// The actor on what the UAVs of a world see.
     pub fn look(&mut self, world: &World) -> &ActorPass {
         let n = world.scenario().uavs;
-        self.observations.resize(n, [0; LEN]);
+        self.observations.resize(n);
         self.links.resize(n, Links::default());
-        self.observer.observe(world, &mut self.observations, &mut self.links);
+        match self.observations.part_mut(0..n) {
+            SightsMut::Compact(out) => self.observer.observe(world, out, &mut self.links),
+            SightsMut::Cells(out) => self.observer.observe(world, out, &mut self.links),
+        }
         self.inputs.clear(n);
         self.inputs.push(&self.observations, &self.links);
         self.pass.forward(self.net, &self.inputs);
@@ -91,7 +95,7 @@ impl<'n> FloatPolicy<'n> {
 
     /// The observations and neighbours of the last [`Self::look`].
     #[must_use]
-    pub fn seen(&self) -> (&[Observation], &[Links]) {
+    pub fn seen(&self) -> (&Sights, &[Links]) {
         (&self.observations, &self.links)
     }
 

@@ -4,7 +4,7 @@
 
 use covey_env::radio::MAX_NODES;
 use covey_env::random::{below, stream};
-use covey_env::{Law, Scenario};
+use covey_env::{Law, ObservationForm, Scenario};
 use firmware_core::actor::Aggregation;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -162,6 +162,9 @@ settings! {
     steps: u32 = 100, "1 to 100000", |v| (1..=100_000).contains(v);
     /// Side of the map, u.
     side: f64 = 200.0, "60 to 10000 u", |v| (60.0..=10_000.0).contains(v);
+    /// What UAVs observe: "compact", numbers made for the task, or "cells", the paper's id and
+    /// position in binary and maps of what is around.
+    observation: ObservationForm = ObservationForm::Compact, "\"compact\" or \"cells\"", |_| true;
     /// Aggregation of neighbours' features: "none", "gcn" or "gat".
     graph: Graph = Graph(Aggregation::Gcn), "\"none\", \"gcn\" or \"gat\"", |_| true;
     /// Width of the first hidden layer, actor and critic.
@@ -306,6 +309,16 @@ impl Value for Law {
     }
 }
 
+impl Value for ObservationForm {
+    const KIND: &'static str = "\"compact\" or \"cells\"";
+    fn read(v: &toml::Value) -> Option<Self> {
+        Self::ALL.into_iter().find(|f| v.as_str() == Some(f.name()))
+    }
+    fn show(&self) -> String {
+        format!("{:?}", self.name())
+    }
+}
+
 impl Value for Graph {
     const KIND: &'static str = "\"none\", \"gcn\" or \"gat\"";
     fn read(v: &toml::Value) -> Option<Self> {
@@ -398,6 +411,11 @@ impl Settings {
                 "up to {most} UAVs (`uavs` and `uavs_spread`), but with `link_loss` or `link_delay` there may be at \
                  most {MAX_NODES}"
             )));
+        }
+        if self.observation == ObservationForm::Cells && self.teacher > 0.0 {
+            return Err(SettingsError::Together(
+                "an observation in cells gives no advice: with `observation = \"cells\"` set `teacher` to 0".to_owned(),
+            ));
         }
         if self.uavs_spread > 0 && self.shards < 2 {
             return Err(SettingsError::Together("`uavs_spread` needs at least 2 `shards`".to_owned()));

@@ -2,7 +2,7 @@
 
 use crate::world::World;
 use firmware_core::geometry::{COMMUNICATION_RANGE_U, OBSERVATION_RANGE_U, State, Vec2};
-use firmware_core::observation::{MAX_NEIGHBOURS, Neighbour, Neighbours, Observation, Scene, observe};
+use firmware_core::observation::{Form, MAX_NEIGHBOURS, Neighbour, Neighbours, Scene};
 use firmware_core::random::tie_breaker;
 
 /// The neighbours that a UAV keeps: those its graph layer aggregates over, besides
@@ -53,7 +53,7 @@ impl Observer {
     ///
     /// # Panics
     /// When `out` or `links` has not one entry a UAV.
-    pub fn observe(&mut self, world: &World, out: &mut [Observation], links: &mut [Links]) {
+    pub fn observe<O: Form>(&mut self, world: &World, out: &mut [O], links: &mut [Links]) {
         let uavs = world.scenario().uavs;
         assert!(out.len() == uavs && links.len() == uavs, "observe: one observation and one Links for each UAV");
         self.fill_beacons(world);
@@ -65,7 +65,7 @@ impl Observer {
             let own = self.beacons[i];
             let scene = Scene { id: i as u16, own: own.state, tie: own.tie, half_side, neighbours: &neighbours };
             let in_cells = world.poi_cells.around(world.x[i], world.y[i], OBSERVATION_RANGE_U as f32);
-            *out = observe(&scene, in_cells.flat_map(|run| &world.poi_ticks[run]).copied());
+            *out = O::of(&scene, in_cells.flat_map(|run| &world.poi_ticks[run]).copied());
         }
     }
 
@@ -110,6 +110,7 @@ fn links_to(neighbours: &Neighbours) -> Links {
 mod tests {
     use super::*;
     use crate::scenario::Scenario;
+    use firmware_core::observation::{Observation, observe};
     use proptest::prelude::*;
 
     /// Everything about every UAV and PoI, without cells.

@@ -1,5 +1,7 @@
 //! Fully connected layers.
 
+use crate::active::{ActiveRows, add_active, gather};
+use crate::inputs::Seen;
 use crate::kernel::Aligned;
 use crate::layout::Layout;
 use crate::matrix::{From, Panels, Rows, To, add_outer, add_rows, multiply};
@@ -102,6 +104,36 @@ impl Dense {
     }
 }
 
+/// The first layer: nothing is carried back through it, so there is no transpose.
+#[derive(Clone, Debug)]
+pub struct First {
+    name: &'static str,
+    weights: Panels,
+    bias: Bias,
+}
+
+impl First {
+    /// The piece of this name and its bias.
+    pub fn new(layout: &Layout, name: &'static str) -> Self {
+        let (inputs, outputs) = layout.shape(name);
+        Self { name, weights: Panels::zeros(inputs, outputs), bias: Bias::new(layout, name) }
+    }
+
+    /// Takes the pieces' numbers.
+    pub fn load(&mut self, layout: &Layout, values: &[f32]) {
+        self.weights.load(layout.piece(values, self.name));
+        self.bias.load(layout, values);
+    }
+
+    /// `out = relu(b + x·w)`.
+    pub fn forward(&self, x: &Seen, out: &mut Rows) {
+        match x {
+            Seen::Numbers(rows) => multiply(rows, &self.weights, self.bias.start(), To::Relu, out),
+            Seen::Active(rows) => gather(rows, &self.weights, &self.bias.values, out),
+        }
+    }
+}
+
 /// Gradient of a piece: sums over samples.
 #[derive(Clone, Debug)]
 pub struct Gradient {
@@ -141,6 +173,11 @@ impl Gradient {
         } else {
             add_outer(x, g, &mut self.sum);
         }
+    }
+
+    /// Adds that of weights whose inputs are listed, with gradient `g` at their outputs.
+    pub fn add_active(&mut self, x: &ActiveRows, g: &Rows) {
+        add_active(x, g, &mut self.sum);
     }
 
     /// Adds that of a bias with gradient `g` at its outputs.

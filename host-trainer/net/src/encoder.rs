@@ -1,14 +1,14 @@
 //! The encoder: two layers with ReLU, of the actor and of the critic alike.
 
-use crate::dense::{Dense, Gradient};
-use crate::inputs::Inputs;
+use crate::dense::{Dense, First, Gradient};
+use crate::inputs::{Inputs, Seen};
 use crate::layout::Layout;
 use crate::matrix::{Rows, To};
 
 /// Its weights.
 #[derive(Clone, Debug)]
 pub struct Encoder {
-    first: Dense,
+    first: First,
     second: Dense,
 }
 
@@ -33,7 +33,7 @@ pub struct EncoderGradient {
 impl Encoder {
     /// The encoder in this layout.
     pub fn new(layout: &Layout) -> Self {
-        Self { first: Dense::new(layout, "encoder1"), second: Dense::new(layout, "encoder2") }
+        Self { first: First::new(layout, "encoder1"), second: Dense::new(layout, "encoder2") }
     }
 
     /// Takes the parameters.
@@ -57,14 +57,18 @@ impl EncoderPass {
 
     /// Computes the features.
     pub fn forward(&mut self, encoder: &Encoder, inputs: &Inputs) {
-        encoder.first.forward(inputs.rows(), To::Relu, &mut self.hidden);
+        encoder.first.forward(inputs.seen(), &mut self.hidden);
         encoder.second.forward(&self.hidden, To::Relu, &mut self.feature);
     }
 
     /// Multiply-adds of marked numbers, forward and backward.
     pub fn work(&self, inputs: &Inputs) -> [u64; 2] {
         let (hidden, feature) = (self.hidden.width() as u64, self.feature.width() as u64);
-        let first = inputs.rows().marked() * hidden;
+        let first = hidden
+            * match inputs.seen() {
+                Seen::Numbers(rows) => rows.marked(),
+                Seen::Active(rows) => rows.marked(),
+            };
         let second = self.hidden.marked() * feature;
         [first + second, first + second + self.feature.marked() * hidden]
     }
@@ -75,7 +79,10 @@ impl EncoderPass {
         second.add_weights(&self.hidden, &self.by_feature);
         second_bias.add_bias(&self.by_feature);
         encoder.second.backward(&self.by_feature, To::Gate(&self.hidden), &mut self.by_hidden);
-        first.add_weights(inputs.rows(), &self.by_hidden);
+        match inputs.seen() {
+            Seen::Numbers(rows) => first.add_weights(rows, &self.by_hidden),
+            Seen::Active(rows) => first.add_active(rows, &self.by_hidden),
+        }
         first_bias.add_bias(&self.by_hidden);
     }
 }

@@ -1,8 +1,9 @@
 //! What the networks see of some world-steps.
 
+use crate::active::ActiveRows;
 use crate::kernel::{padded, unpack};
 use crate::matrix::Rows;
-use covey_env::Links;
+use covey_env::{Links, ObservationForm, SightsRef};
 use firmware_core::observation::{LEN, Observation};
 
 /// Samples of a pass: few enough that what it touches stays in a core's second-level
@@ -22,8 +23,17 @@ pub fn worlds_in_pass(uavs: usize, total: usize) -> usize {
 #[derive(Clone, Debug)]
 pub struct Inputs {
     uavs: usize,
-    rows: Rows,
+    seen: Seen,
     links: Vec<Links>,
+}
+
+/// What the first layer takes, a row a UAV.
+#[derive(Clone, Debug)]
+pub enum Seen {
+    /// Compact observations over 127.
+    Numbers(Rows),
+    /// Observations in cells.
+    Active(ActiveRows),
 }
 
 impl Inputs {
@@ -34,41 +44,54 @@ impl Inputs {
     #[must_use]
     pub fn new(width: usize) -> Self {
         assert!(width <= LEN, "an observation has {LEN} numbers, not {width}");
-        Self { uavs: 1, rows: Rows::new(width), links: Vec::new() }
+        Self { uavs: 1, seen: Seen::Numbers(Rows::new(width)), links: Vec::new() }
+    }
+
+    /// For networks that take whole observations of this form; none yet.
+    #[must_use]
+    pub fn of(form: ObservationForm) -> Self {
+        match form {
+            ObservationForm::Compact => Self::new(LEN),
+            ObservationForm::Cells => {
+                Self { uavs: 1, seen: Seen::Active(ActiveRows::new(form.len())), links: Vec::new() }
+            }
+        }
     }
 
     /// Begins anew, with worlds of `uavs` UAVs.
     pub fn clear(&mut self, uavs: usize) {
         self.uavs = uavs;
-        self.rows.resize(0);
+        match &mut self.seen {
+            Seen::Numbers(rows) => rows.resize(0),
+            Seen::Active(rows) => rows.clear(),
+        }
         self.links.clear();
     }
 
     /// Adds world-steps: an observation and the neighbours of every UAV.
     ///
     /// # Panics
-    /// When they are not whole world-steps.
-    pub fn push(&mut self, observations: &[Observation], links: &[Links]) {
-        assert!(observations.len() == links.len() && links.len().is_multiple_of(self.uavs), "whole world-steps");
-        let first = self.rows.rows();
-        self.rows.resize(first + observations.len());
+    /// When they are not whole world-steps, or of another form than these inputs.
+    pub fn push<'s>(&mut self, observations: impl Into<SightsRef<'s>>, links: &[Links]) {
+        let before = self.links.len();
         self.links.extend_from_slice(links);
-        let (step, width) = (self.rows.step(), self.rows.width());
-        let words = width.div_ceil(64);
-        let (values, masks) = self.rows.parts_mut();
-        let values = values[first * step..].chunks_exact_mut(step);
-        let masks = masks[first * words..].chunks_exact_mut(words);
-        for (observation, (values, masks)) in observations.iter().zip(values.zip(masks)) {
-            unpack(&observation[..padded(width)], 1.0 / 127.0, values, masks);
-            // What the network does not take.
-            values[width..].fill(0.0);
-        }
+        let count = match (&mut self.seen, observations.into()) {
+            (Seen::Numbers(rows), SightsRef::Compact(all)) => {
+                push_numbers(rows, before, all);
+                all.len()
+            }
+            (Seen::Active(rows), SightsRef::Cells(all)) => {
+                all.iter().for_each(|cells| rows.push(cells));
+                all.len()
+            }
+            _ => panic!("observations of another form than the network's"),
+        };
+        assert!(count == links.len() && count.is_multiple_of(self.uavs), "whole world-steps");
     }
 
-    /// Observations over 127, a row a UAV.
-    #[must_use]
-    pub const fn rows(&self) -> &Rows {
-        &self.rows
+    /// What the first layer takes.
+    pub(crate) const fn seen(&self) -> &Seen {
+        &self.seen
     }
 
     /// UAVs in a world.
@@ -81,6 +104,21 @@ impl Inputs {
     #[must_use]
     pub fn links(&self) -> &[Links] {
         &self.links
+    }
+}
+
+/// Adds rows behind the first `before`.
+fn push_numbers(rows: &mut Rows, before: usize, observations: &[Observation]) {
+    rows.resize(before + observations.len());
+    let (step, width) = (rows.step(), rows.width());
+    let words = width.div_ceil(64);
+    let (values, masks) = rows.parts_mut();
+    let values = values[before * step..].chunks_exact_mut(step);
+    let masks = masks[before * words..].chunks_exact_mut(words);
+    for (observation, (values, masks)) in observations.iter().zip(values.zip(masks)) {
+        unpack(&observation[..padded(width)], 1.0 / 127.0, values, masks);
+        // What the network does not take.
+        values[width..].fill(0.0);
     }
 }
 

@@ -12,6 +12,7 @@
 //! gradients; and everything that a pass touches stays in a core's second-level cache.
 #![deny(unsafe_code)]
 
+mod active;
 mod actor;
 mod critic;
 mod dense;

@@ -130,9 +130,24 @@ impl Panels {
     }
 
     /// First column, place and padded width of each panel.
-    fn panels(&self) -> impl Iterator<Item = (usize, usize, usize)> + use<> {
+    pub(crate) fn panels(&self) -> impl Iterator<Item = (usize, usize, usize)> + use<> {
         let (rows, columns) = (self.rows, padded(self.columns));
         (0..columns).step_by(PANEL).map(move |c| (c, c * rows, PANEL.min(columns - c)))
+    }
+
+    /// A row a line, and columns.
+    pub(crate) const fn shape(&self) -> (usize, usize) {
+        (self.rows, self.columns)
+    }
+
+    /// All numbers, panel by panel.
+    pub(crate) fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    /// As [`Self::values`].
+    pub(crate) fn values_mut(&mut self) -> &mut [f32] {
+        &mut self.values
     }
 
     /// Sets all to zero.

@@ -5,8 +5,9 @@ use super::machine::{memory_gb_per_s, peak_gflops, peak_memory_mib};
 use super::{apply, cores, use_threads};
 use crate::cli::Bench;
 use crate::settings::{Graph, Settings};
-use crate::train::{Stage, Trainer, Workers};
-use miette::{IntoDiagnostic, Result};
+use crate::train::{Stage, Trainer, Workers, dimensions};
+use covey_env::ObservationForm;
+use miette::{IntoDiagnostic, Result, miette};
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
@@ -50,7 +51,11 @@ pub fn run(args: &Bench) -> Result<()> {
     let threads = args.threads.unwrap_or_else(|| cores().min(s.shards as usize)).max(1);
     use_threads(Some(threads));
     let workers = Workers::new(threads).into_diagnostic()?;
-    let mut trainer = Trainer::with_inputs(s.clone(), args.inputs).into_diagnostic()?;
+    if args.inputs.is_some() && s.observation != ObservationForm::Compact {
+        return Err(miette!("--inputs is for the compact observation: leave it out or the setting `observation`"));
+    }
+    let inputs = args.inputs.unwrap_or_else(|| dimensions(&s).observation);
+    let mut trainer = Trainer::with_inputs(s.clone(), inputs).into_diagnostic()?;
     let report = measure(args, &s, &mut trainer, &workers)?;
     if args.json {
         println!("{}", serde_json::to_string_pretty(&report).into_diagnostic()?);
@@ -102,7 +107,7 @@ fn measure(args: &Bench, s: &Settings, trainer: &mut Trainer, workers: &Workers)
         threads: workers.threads(),
         epochs: s.epochs,
         graph: s.graph.0.name(),
-        inputs: args.inputs,
+        inputs: args.inputs.unwrap_or_else(|| dimensions(s).observation),
         uavs: s.uavs,
         worlds: s.worlds,
         minibatch: s.minibatch,

@@ -1,11 +1,10 @@
 //! Calibration: how large activations get on rollouts.
 
 use crate::float_actor::{FloatActor, FloatPolicy};
-use covey_env::{Links, Scenario, ScenarioError, World};
+use covey_env::{Links, Scenario, ScenarioError, Sights, World};
 use covey_net::{ActorNet, Rows};
 use firmware_core::action::Action;
 use firmware_core::actor::Mode;
-use firmware_core::observation::Observation;
 use rayon::prelude::*;
 
 /// Greatest magnitude of every activation of the hidden layers.
@@ -27,7 +26,7 @@ pub struct Ranges {
 #[derive(Clone, Debug)]
 pub struct Situation {
     /// Observations of all UAVs.
-    pub observations: Vec<Observation>,
+    pub observations: Sights,
     /// Their neighbours.
     pub links: Vec<Links>,
     /// Their logits, 17 a UAV.
@@ -103,7 +102,7 @@ fn fly(actor: &FloatActor, net: &ActorNet, world: &mut World, seed: u64) -> (Ran
         let logits = (0..actions.len()).flat_map(|id| pass.logits().row(id)).copied().collect();
         policy.choose(world, &mut actions);
         let (observations, links) = policy.seen();
-        situations.push(Situation { observations: observations.to_vec(), links: links.to_vec(), logits });
+        situations.push(Situation { observations: observations.clone(), links: links.to_vec(), logits });
         world.step(&actions);
     }
     (ranges, situations)

@@ -6,12 +6,12 @@ mod layers;
 pub use calibrate::{Ranges, Situation, calibrate};
 
 use crate::float_actor::FloatActor;
-use covey_env::{Scenario, ScenarioError, heard};
+use covey_env::{Scenario, ScenarioError, Sights, heard};
 use firmware_core::actor::file::{Body, HEADER, StoreError, TRAILER};
 use firmware_core::actor::{
     Actor, Aggregation, Feature, LoadError, Provenance, SELF_TESTS, SelfTestError, argmax, write_self_test,
 };
-use firmware_core::observation;
+use firmware_core::observation::{self, Observation};
 use layers::{Blobs, FloatLayer, Output};
 use thiserror::Error;
 
@@ -177,12 +177,20 @@ fn int8_logits(actor: &Actor<'_>, features: &[Feature], s: &Situation, i: usize)
     actor.logits(&features[i], s.links[i].count + 1, heard(features, width, &s.links, i))
 }
 
+/// What the UAVs saw in the compact form.
+fn compact(s: &Situation) -> &[Observation] {
+    match &s.observations {
+        Sights::Compact(all) => all,
+        Sights::Cells(_) => &[],
+    }
+}
+
 /// Decisions in which the int8 actor's greatest logit is the float policy's, and all.
 #[must_use]
 pub fn agreement(actor: &Actor<'_>, situations: &[Situation]) -> (usize, usize) {
     let (mut agreeing, mut all) = (0, 0);
     for s in situations {
-        let features: Vec<Feature> = s.observations.iter().map(|o| actor.encode(o)).collect();
+        let features: Vec<Feature> = compact(s).iter().map(|o| actor.encode(o)).collect();
         for (i, row) in s.logits.chunks_exact(17).enumerate() {
             let own = argmax(&int8_logits(actor, &features, s, i));
             agreeing += usize::from(own == crate::float_actor::argmax(row));
@@ -203,11 +211,11 @@ fn with_self_tests(body: &Body<'_>, situations: &[Situation]) -> Result<Vec<u8>,
             let most = |&i: &usize| s.links[i].count;
             let i = if k % 2 == 0 { k % s.links.len() } else { (0..s.links.len()).max_by_key(most).unwrap_or(0) };
             let blank = Feature { values: [0; 64], attending: 0, attended: 0 };
-            let features: Vec<Feature> = s.observations.iter().map(|o| actor.map_or(blank, |a| a.encode(o))).collect();
+            let features: Vec<Feature> = compact(s).iter().map(|o| actor.map_or(blank, |a| a.encode(o))).collect();
             let logits = actor.map_or([0; 17], |a| int8_logits(a, &features, s, i));
             let neighbours: Vec<_> = heard(&features, width, &s.links, i).collect();
             let mut buffer = [0; 2048];
-            let n = write_self_test(&mut buffer, &s.observations[i], s.links[i].count + 1, &neighbours, &logits);
+            let n = write_self_test(&mut buffer, &compact(s)[i], s.links[i].count + 1, &neighbours, &logits);
             bytes.extend(&buffer[..n.unwrap_or(0)]);
         }
         bytes

@@ -9,10 +9,10 @@
 use crate::settings::Settings;
 use covey_env::radio::{LinkError, LinkSettings, RadioObserver};
 use covey_env::random::{below, stream, unit};
-use covey_env::{Links, Observer, World};
+use covey_env::{Links, Observer, SightsMut, World};
 use firmware_core::geometry::{COMMUNICATION_RANGE_U, SPEED_CAP_U};
 use firmware_core::neighbour_table::{DEFAULT_STEP_MS, MAX_AGE_STEPS};
-use firmware_core::observation::Observation;
+use firmware_core::observation::Form;
 
 /// How far training's radio reaches, u: where nothing is lost it is a perfect one.
 const REACH_U: i32 = COMMUNICATION_RANGE_U + MAX_AGE_STEPS * 2 * SPEED_CAP_U;
@@ -53,7 +53,14 @@ impl Eyes {
     }
 
     /// Writes observations and kept neighbours of the present state. Call it once a step.
-    pub fn observe(&mut self, world: &World, out: &mut [Observation], links: &mut [Links]) {
+    pub fn observe(&mut self, world: &World, out: SightsMut<'_>, links: &mut [Links]) {
+        match out {
+            SightsMut::Compact(out) => self.observe_as(world, out, links),
+            SightsMut::Cells(out) => self.observe_as(world, out, links),
+        }
+    }
+
+    fn observe_as<O: Form>(&mut self, world: &World, out: &mut [O], links: &mut [Links]) {
         match self {
             Self::Perfect(observer) => observer.observe(world, out, links),
             Self::Linked(observer) => observer.observe(world, out, links),

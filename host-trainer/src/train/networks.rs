@@ -1,10 +1,9 @@
 //! Both networks as products read them, and what a part of the work needs beside them.
 
 use super::ppo::Sample;
-use covey_env::Links;
+use covey_env::{Links, SightsRef};
 use covey_net::{ActorGradient, ActorNet, ActorPass, CriticGradient, CriticNet, CriticPass, Inputs, Layout};
 use firmware_core::actor::Aggregation;
-use firmware_core::observation::Observation;
 
 /// Actor and critic with their present parameters.
 #[derive(Clone, Debug)]
@@ -45,11 +44,11 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// For networks of these layouts that take `inputs` numbers of an observation.
+    /// For networks of these layouts, which take such inputs.
     #[must_use]
-    pub fn new(layouts: &[Layout; 2], inputs: usize) -> Self {
+    pub fn new(layouts: &[Layout; 2], inputs: Inputs) -> Self {
         Self {
-            inputs: Inputs::new(inputs),
+            inputs,
             actor: ActorPass::new(&layouts[0]),
             critic: CriticPass::new(&layouts[1]),
             sums: (ActorGradient::new(&layouts[0]), CriticGradient::new(&layouts[1])),
@@ -61,7 +60,7 @@ impl Workspace {
     }
 
     /// Takes in what all UAVs of some worlds of `uavs` see.
-    pub fn see(&mut self, uavs: usize, observations: &[Observation], links: &[Links]) {
+    pub fn see(&mut self, uavs: usize, observations: SightsRef<'_>, links: &[Links]) {
         self.inputs.clear(uavs);
         self.inputs.push(observations, links);
     }

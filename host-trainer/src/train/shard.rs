@@ -7,10 +7,9 @@ use super::softmax;
 use crate::settings::Settings;
 use covey_env::baselines::advice;
 use covey_env::radio::OverLinkError;
-use covey_env::{EpisodeMetrics, Links, Scenario, World};
+use covey_env::{EpisodeMetrics, Links, Scenario, Sights, SightsRef, World};
 use covey_net::worlds_in_pass;
 use firmware_core::action::{ACTIONS, Action};
-use firmware_core::observation::{LEN, Observation};
 use firmware_core::random::action_draw;
 
 /// Worlds of a shard with the buffers of a segment. Arrays are laid out
@@ -22,7 +21,7 @@ pub struct Shard {
     uavs: usize,
     steps: usize,
     /// Observations, one step more than the segment has: the last is what comes next.
-    pub observations: Vec<Observation>,
+    pub observations: Sights,
     /// Kept neighbours, as `observations`.
     pub links: Vec<Links>,
     /// Actions taken.
@@ -57,7 +56,7 @@ impl Shard {
             eyes: Vec::new(),
             uavs: 0,
             steps: s.segment as usize,
-            observations: Vec::new(),
+            observations: Sights::new(s.observation, 0),
             links: Vec::new(),
             actions: Vec::new(),
             advice: Vec::new(),
@@ -79,7 +78,7 @@ impl Shard {
         self.worlds = (0..count).map(|_| World::new(&scenario)).collect::<Result<_, _>>()?;
         self.eyes = vec![Eyes::new(s, uavs)?; count];
         self.uavs = uavs;
-        self.observations.resize(cells + row, [0; LEN]);
+        self.observations.resize(cells + row);
         self.links.resize(cells + row, Links::default());
         self.values.resize(cells + row, 0.0);
         for actions in [&mut self.actions, &mut self.advice] {
@@ -131,7 +130,7 @@ impl Shard {
         let n = self.uavs;
         for (k, world) in self.worlds.iter().enumerate() {
             let place = at + k * n..at + (k + 1) * n;
-            let (o, l) = (&mut self.observations[place.clone()], &mut self.links[place]);
+            let (o, l) = (self.observations.part_mut(place.clone()), &mut self.links[place]);
             self.eyes[k].observe(world, o, l);
         }
     }
@@ -141,7 +140,7 @@ impl Shard {
     pub fn play(&mut self, s: &Settings, nets: &Networks, norm: &ValueNorm, advised: bool, work: &mut Workspace) {
         let row = self.row();
         let last = self.steps * row;
-        self.observations.copy_within(last.., 0);
+        self.observations.copy_within(last..last + row, 0);
         self.links.copy_within(last.., 0);
         for t in 0..=self.steps {
             self.look(t, nets, norm, work);
@@ -164,7 +163,7 @@ impl Shard {
         for first in (0..self.worlds.len()).step_by(pass) {
             let worlds = first..(first + pass).min(self.worlds.len());
             let place = t * row + worlds.start * n..t * row + worlds.end * n;
-            work.see(n, &self.observations[place.clone()], &self.links[place.clone()]);
+            work.see(n, self.observations.part(place.clone()), &self.links[place.clone()]);
             work.critic.forward(&nets.critic, &work.inputs);
             let raw = work.critic.values();
             let raw = raw.values().iter().step_by(raw.step());
@@ -186,14 +185,12 @@ impl Shard {
         }
     }
 
-    /// What the observations before step `t` advise.
+    /// What the observations before step `t` advise; those in cells advise nothing.
     fn ask(&mut self, t: usize) {
-        let (n, row) = (self.uavs, self.row());
-        for (k, world) in self.worlds.iter().enumerate() {
-            for i in 0..n {
-                let at = t * row + k * n + i;
-                self.advice[at] = advice(&self.observations[at], world.velocity(i));
-            }
+        let (n, first) = (self.uavs, t * self.row());
+        let SightsRef::Compact(observations) = self.observations.part(first..first + self.row()) else { return };
+        for (k, (advised, observation)) in self.advice[first..].iter_mut().zip(observations).enumerate() {
+            *advised = advice(observation, self.worlds[k / n].velocity(k % n));
         }
     }
 

@@ -8,13 +8,12 @@ use super::shard::Shard;
 use super::update::{Learner, Outcome, Plan, Segment, update};
 use super::workers::Workers;
 use crate::settings::Settings;
-use covey_env::EpisodeMetrics;
 use covey_env::radio::OverLinkError;
-use covey_net::{Layout, initialise};
+use covey_env::{EpisodeMetrics, ObservationForm};
+use covey_net::{Inputs, Layout, initialise};
 use covey_report::metrics::nan_as_null;
 use firmware_core::action::ACTIONS;
 use firmware_core::actor::Dimensions;
-use firmware_core::observation;
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
@@ -162,10 +161,11 @@ impl Trainer {
     /// # Errors
     /// When the scenario or the link cannot be built.
     pub fn new(settings: Settings) -> Result<Self, OverLinkError> {
-        Self::with_inputs(settings, observation::LEN as u16)
+        let inputs = settings.observation.len() as u16;
+        Self::with_inputs(settings, inputs)
     }
 
-    /// A fresh run of networks that take only the first `inputs` numbers of an observation:
+    /// A fresh run of networks that take only the first `inputs` numbers of a compact observation:
     /// for comparisons; what they learn cannot be exported.
     ///
     /// # Errors
@@ -190,7 +190,8 @@ impl Trainer {
     /// # Errors
     /// When the scenario or the link cannot be built.
     pub fn resume(settings: Settings, state: State) -> Result<Self, OverLinkError> {
-        Self::assemble(settings, state, observation::LEN as u16)
+        let inputs = settings.observation.len() as u16;
+        Self::assemble(settings, state, inputs)
     }
 
     fn assemble(settings: Settings, state: State, inputs: u16) -> Result<Self, OverLinkError> {
@@ -202,14 +203,18 @@ impl Trainer {
         let mut nets = Networks::new(&layouts, settings.graph.0);
         nets.actor.load(&state.actor);
         nets.critic.load(&state.critic);
-        let work = shards.iter().map(|_| Workspace::new(&layouts, inputs.into())).collect();
+        let seen = match settings.observation {
+            ObservationForm::Compact => Inputs::new(inputs.into()),
+            ObservationForm::Cells => Inputs::of(ObservationForm::Cells),
+        };
+        let work = shards.iter().map(|_| Workspace::new(&layouts, seen.clone())).collect();
         Ok(Self { settings, state, shards, nets, work })
     }
 
     /// Layouts of actor and critic.
     #[must_use]
     pub fn layouts(s: &Settings) -> [Layout; 2] {
-        layouts(s, observation::LEN as u16)
+        layouts(s, s.observation.len() as u16)
     }
 
     /// The settings.
@@ -384,7 +389,7 @@ impl Trainer {
 #[must_use]
 pub fn dimensions(s: &Settings) -> Dimensions {
     Dimensions {
-        observation: observation::LEN as u16,
+        observation: s.observation.len() as u16,
         hidden: s.hidden,
         feature: s.feature,
         head: s.head,

@@ -163,7 +163,7 @@ fn part(nets: &Networks, segment: &Segment<'_>, loss: &Loss, places: &[Place], w
         work.samples.clear();
         for p in places {
             let (s, at) = (&segment.shards[p.shard as usize], p.first as usize);
-            work.inputs.push(&s.observations[at..at + uavs], &s.links[at..at + uavs]);
+            work.inputs.push(s.observations.part(at..at + uavs), &s.links[at..at + uavs]);
             work.samples.extend((at..at + uavs).map(|at| segment.sample(s, at)));
         }
         work.actor.forward(&nets.actor, &work.inputs);

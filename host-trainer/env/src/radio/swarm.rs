@@ -7,7 +7,7 @@ use crate::world::World;
 use firmware_core::geometry::{COMMUNICATION_RANGE_U, OBSERVATION_RANGE_U, State, TICKS_PER_U, Vec2};
 use firmware_core::message::{Beacon, Feature, Header, MAX_LEN, Message};
 use firmware_core::neighbour_table::{DEFAULT_STEP_MS, Moment, NeighbourTable, Policy};
-use firmware_core::observation::{Neighbours, Observation, Scene, observe};
+use firmware_core::observation::{Form, Neighbours, Scene};
 
 /// When a UAV looks at its neighbours, encodes and sends its feature: ms after the step began,
 /// when its beacon went out.
@@ -39,7 +39,7 @@ pub(super) struct Board {
 }
 
 /// What a UAV encodes.
-pub(super) struct Seen<'o> {
+pub(super) struct Seen<'o, O> {
     /// Which UAV.
     pub(super) index: usize,
     /// Of its feature message.
@@ -47,7 +47,7 @@ pub(super) struct Seen<'o> {
     /// Neighbours believed in range, and itself.
     pub(super) degree: u8,
     /// Its observation.
-    pub(super) observation: &'o Observation,
+    pub(super) observation: &'o O,
 }
 
 impl Swarm {
@@ -75,12 +75,12 @@ impl Swarm {
 
     /// A step on the air, in the present state of `world`: beacons, views, observations (one
     /// for each UAV goes to `out`), and the features that `encode` makes of them.
-    pub(super) fn look(
+    pub(super) fn look<O: Form>(
         &mut self,
         world: &World,
         tie: impl Fn(u16, u32) -> i8,
-        out: &mut [Observation],
-        encode: impl FnMut(&Seen<'_>) -> Option<Feature>,
+        out: &mut [O],
+        encode: impl FnMut(&Seen<'_, O>) -> Option<Feature>,
     ) {
         let uavs = world.scenario().uavs;
         assert!(uavs == self.boards.len(), "look: {uavs} UAVs, the swarm was made for {}", self.boards.len());
@@ -124,13 +124,13 @@ impl Swarm {
         }
     }
 
-    fn observe(
+    fn observe<O: Form>(
         &mut self,
         world: &World,
         now: Moment,
         now_ms: u64,
-        out: &mut [Observation],
-        mut encode: impl FnMut(&Seen<'_>) -> Option<Feature>,
+        out: &mut [O],
+        mut encode: impl FnMut(&Seen<'_, O>) -> Option<Feature>,
     ) {
         let half_side = world.scenario().half_side_ticks();
         for (index, (board, observation)) in self.boards.iter_mut().zip(out).enumerate() {
@@ -138,7 +138,7 @@ impl Swarm {
             let scene = Scene { id: board.id, own: board.own, tie: board.tie, half_side, neighbours: &board.view };
             let (x, y) = world.position(index);
             let in_cells = world.poi_cells.around(x, y, OBSERVATION_RANGE_U as f32);
-            *observation = observe(&scene, in_cells.flat_map(|run| &world.poi_ticks[run]).copied());
+            *observation = O::of(&scene, in_cells.flat_map(|run| &world.poi_ticks[run]).copied());
             let seen = Seen { index, header: board.header(now.step), degree: board.degree(), observation };
             if let Some(feature) = encode(&seen) {
                 send(&mut self.radio, now_ms, index, &Message::Feature(feature));
