@@ -1,7 +1,7 @@
 //! The first layer on observations in cells: of 1,116 inputs some twenty are ones and the rest
 //! zeros, so a sample is a list of the ones and the layer a sum of so many rows of weights.
 
-use crate::kernel::{LANES, Vectorised, vectorised};
+use crate::kernel::{Finish, LANES, Product, Start, Vectorised, vectorised};
 use crate::matrix::{Panels, Rows};
 use firmware_core::observation::cells::{Cells, VELOCITY};
 
@@ -76,9 +76,21 @@ pub fn gather(x: &ActiveRows, w: &Panels, bias: &[f32], out: &mut Rows) {
             bias: bias[first..][..width].as_chunks().0,
             out: &mut values[first..],
             step,
-            masks: &mut masks[first / 64..],
-            words,
         });
+        // A sum of no terms more, for the kernel's ReLU and marks.
+        let sums = Product {
+            rows: x.ends.len(),
+            terms: 0,
+            columns: width,
+            values: &[],
+            steps: [0; 2],
+            masks: &[],
+            mask_step: 0,
+            weights: &[],
+            weight_step: 0,
+        };
+        let relu = Finish::Relu { masks: &mut masks[first / 64..], step: words };
+        sums.run(Start::Kept, relu, &mut values[first..], step);
     }
 }
 
@@ -122,8 +134,6 @@ struct Gather<'a> {
     bias: &'a [Lane],
     out: &'a mut [f32],
     step: usize,
-    masks: &'a mut [u64],
-    words: usize,
 }
 
 impl Vectorised for Gather<'_> {
@@ -139,8 +149,7 @@ impl Vectorised for Gather<'_> {
 fn gather_rows<const N: usize>(g: Gather<'_>) {
     let (weights, _) = g.weights.as_chunks::<N>();
     let bias: [Lane; N] = std::array::from_fn(|k| g.bias[k]);
-    let rows = g.out.chunks_mut(g.step).zip(g.masks.iter_mut().step_by(g.words));
-    for ((list, velocity), (out, mask)) in g.x.samples().zip(rows) {
+    for ((list, velocity), out) in g.x.samples().zip(g.out.chunks_mut(g.step)) {
         let mut sums = bias;
         for (k, v) in velocity.into_iter().enumerate() {
             add_scaled(&mut sums, v, &weights[VELOCITY + k]);
@@ -148,12 +157,8 @@ fn gather_rows<const N: usize>(g: Gather<'_>) {
         for &i in list {
             add(&mut sums, &weights[usize::from(i)]);
         }
-        *mask = 0;
-        for (c, (to, s)) in out.iter_mut().zip(sums.as_flattened()).enumerate() {
-            // What is not a number stays so that it is noticed.
-            *mask |= u64::from(*s > 0.0 || s.is_nan()) << c;
-            *to = if *s <= 0.0 { 0.0 } else { *s };
-        }
+        let (out, _) = out.as_chunks_mut::<LANES>();
+        out.iter_mut().zip(sums).for_each(|(to, s)| *to = s);
     }
 }
 
