@@ -6,7 +6,7 @@
 //! byte in `docs/messages.md`, and exactly one form: two different byte strings never
 //! mean the same. There is no checksum inside; the link below has one.
 
-use crate::actor::{self, Actor, MAX_DEGREE, MAX_FEATURE};
+use crate::actor::{self, Flown, FormActor, MAX_DEGREE, MAX_FEATURE};
 use crate::geometry::{COORDINATE_LIMIT, State, Vec2};
 use crate::neighbour_table::Policy;
 use heapless::Vec;
@@ -120,7 +120,7 @@ impl Feature {
     /// What a UAV with this policy, own feature and degree (itself included, taken as 1 to
     /// [`MAX_DEGREE`]) broadcasts; `None` when the policy uses no features of others.
     #[must_use]
-    pub fn of(header: Header, degree: u8, actor: &Actor<'_>, own: &actor::Feature) -> Option<Self> {
+    pub fn of<O: Flown>(header: Header, degree: u8, actor: &FormActor<'_, O>, own: &actor::Feature) -> Option<Self> {
         let width = usize::from(Policy::of(actor).width);
         let values = own.values.get(..width)?;
         Self::new(header, degree.clamp(1, MAX_DEGREE), actor.message_hash(), own.attended, values).ok()

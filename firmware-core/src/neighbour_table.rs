@@ -12,7 +12,7 @@
 
 mod entry;
 
-use crate::actor::{Actor, Aggregation, MAX_FEATURE, NeighbourFeature};
+use crate::actor::{Aggregation, Flown, FormActor, MAX_FEATURE, NeighbourFeature};
 use crate::geometry::{SPEED_CAP_U, Vec2};
 use crate::message::{Beacon, Feature, Message};
 use crate::observation::{MAX_NEIGHBOURS, Neighbours};
@@ -55,7 +55,7 @@ pub struct Policy {
 impl Policy {
     /// That of an actor.
     #[must_use]
-    pub fn of(actor: &Actor<'_>) -> Self {
+    pub fn of<O: Flown>(actor: &FormActor<'_, O>) -> Self {
         let width = match actor.aggregation() {
             Aggregation::None => 0,
             // Loading bounds it by 64.

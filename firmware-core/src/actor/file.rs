@@ -12,9 +12,9 @@
 //! `docs/actor-file.md` describes every field.
 
 use super::layer::{Layer, LayerError, MAX_ROWS, even};
-use super::{Actor, Aggregation, Dimensions, MAX_FEATURE, SELF_TESTS, self_test};
+use super::{Aggregation, Dimensions, Flown, FormActor, MAX_FEATURE, SELF_TESTS, self_test};
 use crate::action::ACTIONS;
-use crate::observation;
+use crate::observation::{self, cells};
 use crc::{CRC_32_ISO_HDLC, Crc};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -61,7 +61,7 @@ pub struct Body<'a> {
     pub weights: &'a [u8],
     /// Every layer's biases and multipliers, i32 little-endian.
     pub tables: &'a [u8],
-    /// Form of the observation ([`observation::ID`]).
+    /// Form of the observation ([`observation::Form::ID`]).
     pub observation: u16,
     /// Form of the aggregation.
     pub aggregation: Aggregation,
@@ -117,10 +117,12 @@ pub enum LoadError {
     #[error("the actor file's record cannot be read although its checksum fits; export it again")]
     Malformed,
     /// Another form of the observation.
-    #[error("the actor wants observation form {found}, this program builds form {}; train it again", observation::ID)]
+    #[error("the actor wants observation form {found}, this program builds form {built}; train one of that form")]
     Observation {
         /// Form in the file.
         found: u16,
+        /// Form that this program builds.
+        built: u16,
     },
     /// Widths that this program cannot fly.
     #[error("the actor's {what} is {found}, this program takes {allowed}; train it with fitting widths")]
@@ -271,13 +273,14 @@ pub fn at_start_of(region: &[u8]) -> &[u8] {
 }
 
 // The messages of `check_dimensions` say these numbers.
-const _: () = assert!(observation::LEN == 160 && MAX_ROWS == 128 && MAX_FEATURE == 64 && ACTIONS == 17);
+const _: () =
+    assert!(observation::LEN == 160 && cells::LEN == 1116 && MAX_ROWS == 128 && MAX_FEATURE == 64 && ACTIONS == 17);
 
-fn check_dimensions(d: Dimensions) -> Result<(), LoadError> {
+fn check_dimensions(d: Dimensions, numbers: usize, allowed: &'static str) -> Result<(), LoadError> {
     let refuse = |what, found, allowed| Err(LoadError::Dimension { what, found, allowed });
     let fits = |n: u16, max: usize| n >= 1 && usize::from(n) <= max;
-    if usize::from(d.observation) != observation::LEN {
-        return refuse("observation length", d.observation, "160");
+    if usize::from(d.observation) != numbers {
+        return refuse("observation length", d.observation, allowed);
     }
     if !fits(d.hidden, MAX_ROWS) {
         return refuse("first hidden width", d.hidden, "1 to 128");
@@ -303,9 +306,9 @@ impl From<LayerError> for LoadError {
     }
 }
 
-impl<'a> Actor<'a> {
+impl<'a, O: Flown> FormActor<'a, O> {
     /// Reads an actor file in place. Every length and bound is checked before the first
-    /// use; run [`Actor::self_test`] next.
+    /// use; run [`Self::self_test`] next.
     ///
     /// # Errors
     /// The first thing found wrong, see [`LoadError`].
@@ -314,24 +317,26 @@ impl<'a> Actor<'a> {
         if !rest.is_empty() || body.align.iter().any(|&b| b != 0) {
             return Err(LoadError::Malformed);
         }
-        if body.observation != observation::ID {
-            return Err(LoadError::Observation { found: body.observation });
+        if body.observation != O::ID {
+            return Err(LoadError::Observation { found: body.observation, built: O::ID });
         }
-        check_dimensions(body.dimensions)?;
+        check_dimensions(body.dimensions, O::LEN, O::LEN_TEXT)?;
         let d = body.dimensions;
-        let needed = d.layers(body.aggregation).fold((0, 0), |(weights, tables), (rows, columns)| {
+        let hidden = usize::from(d.hidden);
+        let first = (O::weight_bytes(hidden), Layer::table_bytes(hidden));
+        let needed = d.layers(body.aggregation).skip(1).fold(first, |(weights, tables), (rows, columns)| {
             (weights + Layer::weight_bytes(rows, columns), tables + Layer::table_bytes(rows))
         });
         if (body.weights.len(), body.tables.len()) != needed {
             return Err(LoadError::Length);
         }
         let (mut weights, mut tables) = (body.weights, body.tables);
+        let encoder1 = O::take(&mut weights, &mut tables, hidden)?;
         let mut take = |rows: u16, columns: usize| {
             Layer::take(&mut weights, &mut tables, usize::from(rows), columns).map_err(LoadError::from)
         };
         let feature = usize::from(d.feature);
-        let encoder1 = take(d.hidden, usize::from(d.observation))?;
-        let encoder2 = take(d.feature, usize::from(d.hidden))?;
+        let encoder2 = take(d.feature, hidden)?;
         let gat = body.aggregation == Aggregation::Gat;
         let attention = if gat { take(2, feature)? } else { Layer::default() };
         let graphed = body.aggregation != Aggregation::None;
@@ -341,8 +346,8 @@ impl<'a> Actor<'a> {
         if body.aggregate_multiplier < 0 {
             return Err(LoadError::OutOfRange);
         }
-        if self_test::vectors(body.self_tests, feature).count() != SELF_TESTS
-            || self_test::length(body.self_tests, feature) != Some(body.self_tests.len())
+        if self_test::vectors::<O>(body.self_tests, feature).count() != SELF_TESTS
+            || self_test::length::<O>(body.self_tests, feature) != Some(body.self_tests.len())
         {
             return Err(LoadError::SelfTests);
         }

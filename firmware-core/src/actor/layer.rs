@@ -64,14 +64,7 @@ impl<'a> Layer<'a> {
     ) -> Result<Self, LayerError> {
         let (own, rest) = weights.split_at_checked(Self::weight_bytes(rows, columns)).ok_or(LayerError::Short)?;
         *weights = rest;
-        let (biases, rest) = tables.split_at_checked(4 * rows).ok_or(LayerError::Short)?;
-        let (multipliers, rest) = rest.split_at_checked(4 * rows).ok_or(LayerError::Short)?;
-        *tables = rest;
-        let (biases, multipliers) = (biases.as_chunks().0, multipliers.as_chunks().0);
-        let sound = words(biases).all(|b| (-MAX_BIAS..=MAX_BIAS).contains(&b)) && words(multipliers).all(|m| m >= 0);
-        if !sound {
-            return Err(LayerError::OutOfRange);
-        }
+        let Rectified { biases, multipliers } = Rectified::take(tables, rows)?;
         Ok(Self { columns, dense: Dense { weights: own, biases, multipliers } })
     }
 
@@ -93,6 +86,30 @@ impl<'a> Layer<'a> {
         if let Some(x) = x.get(..even(self.columns)) {
             self.dense.apply(x, out, finish);
         }
+    }
+}
+
+/// Biases and multipliers of a layer.
+pub(crate) struct Rectified<'a> {
+    pub(crate) biases: &'a [[u8; 4]],
+    pub(crate) multipliers: &'a [[u8; 4]],
+}
+
+impl<'a> Rectified<'a> {
+    /// Takes those of a layer of this many rows off the front of `tables`.
+    pub(crate) fn take(tables: &mut &'a [u8], rows: usize) -> Result<Self, LayerError> {
+        let (biases, rest) = tables.split_at_checked(4 * rows).ok_or(LayerError::Short)?;
+        let (multipliers, rest) = rest.split_at_checked(4 * rows).ok_or(LayerError::Short)?;
+        *tables = rest;
+        let (biases, multipliers) = (biases.as_chunks().0, multipliers.as_chunks().0);
+        let sound = words(biases).all(|b| (-MAX_BIAS..=MAX_BIAS).contains(&b)) && words(multipliers).all(|m| m >= 0);
+        if sound { Ok(Self { biases, multipliers }) } else { Err(LayerError::OutOfRange) }
+    }
+
+    /// A row's output from its sum: `clamp(round(m·(sum + b) / 2³²), 0, 127)`.
+    pub(crate) fn finish(sum: i32, bias: [u8; 4], multiplier: [u8; 4]) -> i16 {
+        let (b, m) = (i32::from_le_bytes(bias), i32::from_le_bytes(multiplier));
+        kernel::requantise(sum + b, m).clamp(0, 127) as i16
     }
 }
 

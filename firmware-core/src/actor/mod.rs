@@ -15,6 +15,7 @@
 
 mod aggregate;
 pub mod file;
+mod first;
 pub mod layer;
 mod self_test;
 mod signature;
@@ -22,13 +23,15 @@ pub mod softmax;
 
 pub use aggregate::MAX_DEGREE;
 pub use file::{LoadError, Provenance};
+pub use first::{Flown, Gather};
 pub use self_test::{SELF_TESTS, SelfTest, SelfTestError, write_self_test};
 pub use signature::{SIGNATURE_CASES, Signature, signature};
 pub use softmax::{Logits, Mode, argmax, sample};
 
 use crate::action::{ACTIONS, Action};
 use crate::kernel::requantise;
-use crate::observation::{LEN, MAX_NEIGHBOURS, Observation};
+use crate::observation::cells::Cells;
+use crate::observation::{MAX_NEIGHBOURS, Observation};
 use crate::random::{action_draw, tie_breaker};
 use heapless::Vec;
 use layer::{Activations, Layer, MAX_COLUMNS, MAX_ROWS};
@@ -114,16 +117,23 @@ pub struct NeighbourFeature<'f> {
     pub attended: i16,
 }
 
-/// A loaded actor. It borrows the file, which must have been found sound.
+/// An actor that observes in the compact form.
+pub type Actor<'a> = FormActor<'a, Observation>;
+
+/// An actor that observes cells, as the paper's UAVs do.
+pub type CellsActor<'a> = FormActor<'a, Cells>;
+
+/// A loaded actor. It borrows the file, which must have been found sound. A program holds the
+/// code of those forms only that it uses.
 #[derive(Clone, Copy, Debug)]
-pub struct Actor<'a> {
+pub struct FormActor<'a, O: Flown> {
     aggregation: Aggregation,
     dimensions: Dimensions,
     tie_period: u32,
     content_hash: u64,
     provenance: Provenance<'a>,
     self_tests: &'a [u8],
-    encoder1: Layer<'a>,
+    encoder1: O::First<'a>,
     encoder2: Layer<'a>,
     attention: Layer<'a>,
     graph: Layer<'a>,
@@ -132,7 +142,7 @@ pub struct Actor<'a> {
     aggregate_multiplier: i32,
 }
 
-impl<'a> Actor<'a> {
+impl<'a, O: Flown> FormActor<'a, O> {
     /// How it aggregates.
     #[must_use]
     pub const fn aggregation(&self) -> Aggregation {
@@ -177,16 +187,9 @@ impl<'a> Actor<'a> {
 
     /// Encodes an observation.
     #[must_use]
-    pub fn encode(&self, observation: &Observation) -> Feature {
+    pub fn encode(&self, observation: &O) -> Feature {
         let mut y = Activations::<MAX_ROWS>::zero();
-        {
-            // In a block, so that the stack has room for the next values in its place.
-            let mut x = Activations::<MAX_COLUMNS>::zero();
-            for (x, &o) in x.0.iter_mut().zip(observation) {
-                *x = i16::from(o);
-            }
-            self.encoder1.apply(&x.0, &mut y.0);
-        }
+        observation.apply(&self.encoder1, &mut y.0);
         let mut h = Activations::<MAX_FEATURE>::zero();
         self.encoder2.apply(&y.0, &mut h.0);
         let mut halves = [0i16; 2];
@@ -269,4 +272,4 @@ impl<'a> Actor<'a> {
     }
 }
 
-const _: () = assert!(LEN <= MAX_COLUMNS && 2 * MAX_FEATURE <= MAX_COLUMNS && MAX_FEATURE <= MAX_ROWS);
+const _: () = assert!(2 * MAX_FEATURE <= MAX_COLUMNS && MAX_FEATURE <= MAX_ROWS);

@@ -1,12 +1,14 @@
 //! Self-test vectors: situations with their exact logits, kept in the actor file.
 //!
-//! A vector is, one after the other: the observation (160 int8), own degree (u8),
+//! A vector is, one after the other: the observation (160 int8; in cells the number of ones
+//! as u8, two velocities as int8, and the index of each one as u16 little-endian), own degree (u8),
 //! number k of neighbours (u8, at most 16), k times [degree (u8), attended score (i16
 //! little-endian), feature (int8 × feature width)], and 17 logits (i16 little-endian).
 
-use super::{Actor, Logits, MAX_DEGREE, NeighbourFeature};
+use super::{Flown, FormActor, Logits, MAX_DEGREE, NeighbourFeature};
 use crate::action::ACTIONS;
-use crate::observation::{LEN, MAX_NEIGHBOURS, Observation};
+use crate::observation::{MAX_NEIGHBOURS, Observation};
+use core::marker::PhantomData;
 use thiserror::Error;
 
 /// Vectors in every actor file.
@@ -24,8 +26,9 @@ pub struct SelfTestError {
 
 /// One vector, read in place.
 #[derive(Clone, Copy, Debug)]
-pub struct SelfTest<'a> {
-    observation: &'a [u8; LEN],
+pub struct SelfTest<'a, O: Flown = Observation> {
+    observation: &'a [u8],
+    form: PhantomData<O>,
     degree: u8,
     neighbours: &'a [u8],
     feature: usize,
@@ -35,9 +38,9 @@ pub struct SelfTest<'a> {
 /// Bytes of a neighbour before its feature.
 const NEIGHBOUR_HEAD: usize = 3;
 
-impl<'a> SelfTest<'a> {
+impl<'a, O: Flown> SelfTest<'a, O> {
     fn take(bytes: &mut &'a [u8], feature: usize) -> Option<Self> {
-        let (observation, rest) = bytes.split_first_chunk::<LEN>()?;
+        let (observation, rest) = O::split(bytes)?;
         let (&[degree, count], rest) = rest.split_first_chunk::<2>()?;
         if !(1..=MAX_DEGREE).contains(&degree) || usize::from(count) > MAX_NEIGHBOURS {
             return None;
@@ -45,15 +48,11 @@ impl<'a> SelfTest<'a> {
         let (neighbours, rest) = rest.split_at_checked(usize::from(count) * (NEIGHBOUR_HEAD + feature))?;
         let (logits, rest) = rest.split_first_chunk::<{ 2 * ACTIONS }>()?;
         *bytes = rest;
-        Some(Self { observation, degree, neighbours, feature, logits })
+        Some(Self { observation, form: PhantomData, degree, neighbours, feature, logits })
     }
 
-    fn holds(&self, actor: &Actor<'_>) -> bool {
-        let mut observation: Observation = [0; LEN];
-        for (o, &b) in observation.iter_mut().zip(self.observation) {
-            *o = b as i8;
-        }
-        let own = actor.encode(&observation);
+    fn holds(&self, actor: &FormActor<'_, O>) -> bool {
+        let own = actor.encode(&O::read(self.observation));
         let neighbours =
             self.neighbours.chunks_exact((NEIGHBOUR_HEAD + self.feature).max(1)).map(|record| match record {
                 &[degree, low, high, ref feature @ ..] => NeighbourFeature {
@@ -69,25 +68,25 @@ impl<'a> SelfTest<'a> {
 }
 
 /// The vectors in `bytes`, up to the first that cannot be read.
-pub(super) fn vectors(bytes: &[u8], feature: usize) -> impl Iterator<Item = SelfTest<'_>> {
+pub(super) fn vectors<O: Flown>(bytes: &[u8], feature: usize) -> impl Iterator<Item = SelfTest<'_, O>> {
     let mut rest = bytes;
     core::iter::from_fn(move || SelfTest::take(&mut rest, feature))
 }
 
 /// Bytes that [`SELF_TESTS`] vectors take, if there are as many.
-pub(super) fn length(bytes: &[u8], feature: usize) -> Option<usize> {
+pub(super) fn length<O: Flown>(bytes: &[u8], feature: usize) -> Option<usize> {
     let mut rest = bytes;
     for _ in 0..SELF_TESTS {
-        SelfTest::take(&mut rest, feature)?;
+        SelfTest::<O>::take(&mut rest, feature)?;
     }
     Some(bytes.len() - rest.len())
 }
 
 /// Writes one vector into `out` and returns its length; `None` when it does not fit,
 /// or when there are more than 16 neighbours.
-pub fn write_self_test(
+pub fn write_self_test<O: Flown>(
     out: &mut [u8],
-    observation: &Observation,
+    observation: &O,
     degree: u8,
     neighbours: &[NeighbourFeature<'_>],
     logits: &Logits,
@@ -101,7 +100,7 @@ pub fn write_self_test(
         at += 1;
         Some(())
     };
-    observation.iter().try_for_each(|&o| put(o as u8))?;
+    observation.write(&mut put)?;
     put(degree)?;
     put(neighbours.len() as u8)?;
     for n in neighbours {
@@ -113,7 +112,7 @@ pub fn write_self_test(
     Some(at)
 }
 
-impl Actor<'_> {
+impl<O: Flown> FormActor<'_, O> {
     /// Recomputes the file's self-test vectors. An actor that fails must not fly.
     ///
     /// # Errors

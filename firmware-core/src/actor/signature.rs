@@ -1,8 +1,8 @@
 //! One number that says "still the same function".
 
 use super::file::Fnv;
-use super::{Actor, MAX_DEGREE, MAX_FEATURE, NeighbourFeature, sample};
-use crate::observation::{LEN, MAX_NEIGHBOURS, Observation};
+use super::{Flown, FormActor, MAX_DEGREE, MAX_FEATURE, NeighbourFeature, sample};
+use crate::observation::MAX_NEIGHBOURS;
 use rand_xoshiro::Xoshiro128PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
@@ -33,15 +33,9 @@ impl Signature {
 
     /// Adds the next fixed neighbourhood: a pseudo-random observation with 0 to 16
     /// neighbours (case mod 17), its feature, its logits and a sampled action.
-    pub fn add_case(&mut self, actor: &Actor<'_>) {
+    pub fn add_case<O: Flown>(&mut self, actor: &FormActor<'_, O>) {
         let mut random = Xoshiro128PlusPlus::seed_from_u64(0x5160_0000_0000 | u64::from(self.case));
-        let mut observation: Observation = [0; LEN];
-        // One number in four is zero, as in real observations with absent entries.
-        observation.iter_mut().for_each(|o| {
-            let r = random.next_u32();
-            *o = if r & 3 == 0 { 0 } else { ((r >> 8) as u8 as i8).max(-127) };
-        });
-        let own = actor.encode(&observation);
+        let own = actor.encode(&O::draw(&mut random));
         let count = (self.case % (MAX_NEIGHBOURS as u32 + 1)) as usize;
         let mut heads = [(1u8, 0i16); MAX_NEIGHBOURS];
         for (values, head) in self.features.iter_mut().zip(&mut heads).take(count) {
@@ -72,7 +66,7 @@ impl Signature {
 /// The signature of an actor over its first `cases` neighbourhoods
 /// ([`SIGNATURE_CASES`] by convention).
 #[must_use]
-pub fn signature(actor: &Actor<'_>, cases: u32) -> u64 {
+pub fn signature<O: Flown>(actor: &FormActor<'_, O>, cases: u32) -> u64 {
     let mut s = Signature::new();
     (0..cases).for_each(|_| s.add_case(actor));
     s.value()
