@@ -1,9 +1,13 @@
 //! The command line.
 
+mod paper;
+
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use covey_env::radio::LinkSettings;
 use firmware_core::observation::LEN;
 use std::path::PathBuf;
+
+pub use paper::ExperimentPaper;
 
 /// Train, measure and export Covey's policy.
 #[derive(Debug, Parser)]
@@ -208,6 +212,14 @@ pub enum Experiment {
     /// Coverage over links that lose, delay, double, reorder and damage messages.
     #[command(after_help = "Example:\n  host-trainer experiment link --worlds 20 --out /tmp/link")]
     Link(ExperimentLink),
+    /// The paper's experiments: plain PPO, GCN and GAT over several seeds, each flown with 5 to 30
+    /// UAVs, and what the paper says of them judged.
+    #[command(after_help = "Examples:\n  host-trainer experiment paper --quick --out /tmp/paper\n  \
+        host-trainer experiment paper --seeds 10-14 --jobs 2\n  \
+        host-trainer experiment paper --settings shipped --episodes 6000\n  \
+        host-trainer experiment paper --report-only\n\
+        The same command again goes on where it was stopped.")]
+    Paper(ExperimentPaper),
 }
 
 /// `experiment link`.

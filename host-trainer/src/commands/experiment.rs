@@ -19,6 +19,7 @@ use std::time::Instant;
 pub fn run(experiment: &Experiment) -> Result<()> {
     match experiment {
         Experiment::Link(args) => link(args),
+        Experiment::Paper(args) => super::paper::run(args),
     }
 }
 

@@ -8,6 +8,7 @@ mod experiment;
 mod export;
 mod inspect;
 mod machine;
+mod paper;
 mod report;
 mod train;
 

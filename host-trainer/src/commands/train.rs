@@ -20,7 +20,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Instant, SystemTime};
 
 /// Exit status of a run that a signal stopped.
-const INTERRUPTED: i32 = 130;
+pub(super) const INTERRUPTED: i32 = 130;
 
 /// Trains, or goes on training.
 ///
@@ -46,8 +46,8 @@ pub fn run(args: &Train) -> Result<()> {
     let threads = args.threads.unwrap_or_else(|| cores().min(shards));
     use_threads(Some(threads));
     let workers = Workers::new(threads.min(shards)).into_diagnostic()?;
-    let mut session = Session::open(folder, trainer, args)?;
-    if !session.train(&workers, &stop)? {
+    let mut session = Session::open(folder, trainer, args.resume.is_some(), Mode::detect(args.quiet))?;
+    if !session.train(&workers, &stop, |_| {})? {
         session.say(&format!(
             "stopped at {} episodes; go on with: host-trainer train --resume {}",
             session.episodes(),
@@ -73,7 +73,7 @@ fn settings(args: &Train) -> Result<Settings> {
 }
 
 /// The first Ctrl-C, SIGTERM or SIGHUP asks to stop at the end of the round, the second stops at once.
-fn stop_on_signals() -> Result<Arc<AtomicBool>> {
+pub(super) fn stop_on_signals() -> Result<Arc<AtomicBool>> {
     // `nohup` has SIGHUP ignored, and it stays so.
     #[cfg(unix)]
     // SAFETY: changes what a signal does, and keeps what it did.
@@ -96,7 +96,7 @@ fn stop_on_signals() -> Result<Arc<AtomicBool>> {
 }
 
 /// A run with its files open.
-struct Session {
+pub(super) struct Session {
     folder: RunFolder,
     trainer: Trainer,
     metrics: MetricsLog,
@@ -110,9 +110,10 @@ fn now() -> f64 {
 }
 
 impl Session {
-    fn open(folder: RunFolder, trainer: Trainer, args: &Train) -> Result<Self> {
+    /// Opens the files of a new run or, `resumed`, of one that goes on.
+    pub(super) fn open(folder: RunFolder, trainer: Trainer, resumed: bool, mode: Mode) -> Result<Self> {
         let rounds = u64::from(trainer.state().rounds);
-        let metrics = if args.resume.is_some() {
+        let metrics = if resumed {
             atomic::remove_leftovers(folder.path()).into_diagnostic()?;
             atomic::remove_leftovers(folder.checkpoints()).into_diagnostic()?;
             MetricsLog::resume(folder.metrics(), rounds)
@@ -127,11 +128,11 @@ impl Session {
             events.resumed_at(done + 1, now()).into_diagnostic()?;
         }
         let total = u64::from(s.rounds()) * u64::from(s.worlds);
-        let progress = Progress::new(Mode::detect(args.quiet), total).resumed_at(done);
-        Ok(Self { folder, trainer, metrics, events, progress, quiet: args.quiet })
+        let progress = Progress::new(mode, total).resumed_at(done);
+        Ok(Self { folder, trainer, metrics, events, progress, quiet: mode == Mode::Quiet })
     }
 
-    fn episodes(&self) -> u64 {
+    pub(super) fn episodes(&self) -> u64 {
         u64::from(self.trainer.state().rounds) * u64::from(self.trainer.settings().worlds)
     }
 
@@ -141,8 +142,8 @@ impl Session {
         }
     }
 
-    /// Trains until all is done (true) or `stop` is set (false).
-    fn train(&mut self, workers: &Workers, stop: &AtomicBool) -> Result<bool> {
+    /// Trains until all is done (true) or `stop` is set (false); `watch` sees every round.
+    pub(super) fn train(&mut self, workers: &Workers, stop: &AtomicBool, mut watch: impl FnMut(&Row)) -> Result<bool> {
         let s = self.trainer.settings().clone();
         self.say(&format!(
             "training {} for {} episodes in {} ({} threads)",
@@ -167,6 +168,7 @@ impl Session {
                 coverage: Some(row.coverage),
                 reward: Some(row.reward),
             });
+            watch(&row);
             if row.episodes - saved >= u64::from(s.checkpoint_every) {
                 self.checkpoint()?;
                 saved = row.episodes;
@@ -196,7 +198,7 @@ impl Session {
     }
 
     /// Quantises, measures against the baselines, writes actor file and report.
-    fn finish(mut self) -> Result<()> {
+    pub(super) fn finish(mut self) -> Result<()> {
         let s = self.trainer.settings().clone();
         if s.observation == ObservationForm::Cells {
             return self.finish_float(&s);

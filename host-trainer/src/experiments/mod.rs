@@ -1,3 +1,4 @@
-//! Measurements that make a page and pictures for the documents.
+//! Measurements that make a page for the documents.
 
 pub mod link;
+pub mod paper;

@@ -1,0 +1,322 @@
+//! From run folders to results.
+
+use super::kind::{Kind, common};
+use super::results::{Baseline, Curves, Flight, Group, Results, RunResult, rounded};
+use super::{SIZES, WORLDS};
+use crate::cli::PolicyArg;
+use crate::measure::{Subject, Trial};
+use crate::run::{FolderError, RunFolder};
+use crate::settings::Settings;
+use crate::train::Row;
+use covey_env::{EpisodeMetrics, Scenario, ScenarioError};
+use covey_report::atomic::{self, WriteError};
+use covey_report::metrics::{self, MetricsError};
+use firmware_core::actor::{Actor, Mode};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Hand-written policies to compare with.
+pub const BASELINES: [PolicyArg; 4] =
+    [PolicyArg::Random, PolicyArg::Centroid, PolicyArg::Planner, PolicyArg::Remembering];
+
+/// Why runs could not be collected.
+#[derive(Debug, Error)]
+pub enum CollectError {
+    /// A run folder is not sound.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
+    /// Its metrics are not.
+    #[error(transparent)]
+    Metrics(#[from] MetricsError),
+    /// A folder cannot be listed.
+    #[error("cannot list {path}")]
+    List {
+        /// The folder.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// Runs of a group differ in more than algorithm and seed.
+    #[error(
+        "{path} has {key} = {found}, but {wanted} is wanted here as in all runs of its group; \
+         give the same settings again, or choose another --out"
+    )]
+    Mismatch {
+        /// The run folder.
+        path: PathBuf,
+        /// The first setting that differs.
+        key: String,
+        /// In the run.
+        found: String,
+        /// Wanted.
+        wanted: String,
+    },
+    /// The two groups are of other worlds.
+    #[error(
+        "{path} has {key} = {found}, but the runs beside it have {wanted}: they cannot be compared; choose another --out"
+    )]
+    OtherWorlds {
+        /// A run folder of the second group.
+        path: PathBuf,
+        /// The setting.
+        key: &'static str,
+        /// In the run.
+        found: String,
+        /// In the other group.
+        wanted: String,
+    },
+    /// The actor file is not sound.
+    #[error("{path} holds no sound actor ({why}); delete it, and the same command writes it anew")]
+    Actor {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        why: String,
+    },
+    /// Training went wrong.
+    #[error(
+        "row {row} of {path} holds a value that is no number: training went wrong; delete the run folder and use a lower learning_rate"
+    )]
+    NotFinite {
+        /// The metrics file.
+        path: PathBuf,
+        /// The row, from 1.
+        row: usize,
+    },
+    /// The worlds cannot be built.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// A file cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// Measurements cannot be written.
+    #[error("measurements cannot be written as JSON")]
+    Encode(#[from] serde_json::Error),
+}
+
+/// Held-out worlds for the flights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Worlds {
+    /// How many for each number of UAVs.
+    pub count: u32,
+    /// Their seed.
+    pub seed: u64,
+}
+
+/// A run folder of the experiment with its settings.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// The folder.
+    pub folder: RunFolder,
+    /// Its settings.
+    pub settings: Settings,
+}
+
+/// Where the runs of a kind are.
+#[must_use]
+pub fn folder_of(out: &Path, kind: Kind) -> PathBuf {
+    out.join("runs").join(kind.name())
+}
+
+/// Folder name of a run.
+#[must_use]
+pub fn run_name(s: &Settings) -> String {
+    format!("{}-seed{}", s.graph.0.name(), s.seed)
+}
+
+/// Run folders of a kind, by algorithm and seed; those without settings (a run that was cut
+/// off as it was made) are left out.
+///
+/// # Errors
+/// When a folder cannot be read.
+pub fn runs(out: &Path, kind: Kind) -> Result<Vec<Run>, CollectError> {
+    let path = folder_of(out, kind);
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let list = |source| CollectError::List { path: path.clone(), source };
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(&path).map_err(list)? {
+        let Ok(folder) = RunFolder::open(&entry.map_err(list)?.path()) else { continue };
+        found.push(Run { settings: folder.settings()?, folder });
+    }
+    found.sort_by_key(|r| (r.settings.graph.0 as u8, r.settings.seed));
+    Ok(found)
+}
+
+/// Whether a run is done: trained, quantised and measured.
+#[must_use]
+pub fn finished(folder: &RunFolder) -> bool {
+    folder.actor().is_file() && folder.evaluation().is_file()
+}
+
+/// Refuses settings that differ in more than algorithm and seed from the runs of the group.
+///
+/// # Errors
+/// [`CollectError::Mismatch`] names the first such run and setting.
+pub fn check(runs: &[Run], wanted: &Settings) -> Result<(), CollectError> {
+    for run in runs {
+        let aligned = Settings { graph: wanted.graph, seed: wanted.seed, ..run.settings.clone() };
+        if let Some((key, found, wanted)) = aligned.first_difference(wanted) {
+            return Err(CollectError::Mismatch { path: run.folder.path().to_owned(), key, found, wanted });
+        }
+    }
+    Ok(())
+}
+
+/// A run's flights with other numbers of UAVs, in its folder.
+const FLIGHTS: &str = "flights.json";
+
+/// What that file holds.
+#[derive(Serialize, Deserialize)]
+struct Flown {
+    /// Content hash of the actor that flew.
+    actor: String,
+    worlds: Worlds,
+    flights: Vec<Flight>,
+}
+
+/// All finished runs below `out`, their actors flown with every number of UAVs in the first
+/// `count` held-out worlds (none: as many as were flown before). What was flown before in the same worlds is not flown again. `watch`
+/// hears of each policy that is flown.
+///
+/// # Errors
+/// See [`CollectError`].
+pub fn collect(out: &Path, count: Option<u32>, mut watch: impl FnMut(&str)) -> Result<Results, CollectError> {
+    let count = count.unwrap_or_else(|| flown_before(out));
+    let mut groups = Vec::new();
+    let mut world: Option<Settings> = None;
+    for kind in Kind::ALL {
+        let runs: Vec<Run> = runs(out, kind)?.into_iter().filter(|r| finished(&r.folder)).collect();
+        let Some(first) = runs.first() else { continue };
+        check(&runs, &first.settings)?;
+        same_worlds(first, world.get_or_insert_with(|| first.settings.clone()))?;
+        let worlds = Worlds { count, seed: first.settings.eval_seed };
+        let results = runs.iter().map(|run| {
+            Ok(RunResult {
+                graph: run.settings.graph.0.name().to_owned(),
+                seed: run.settings.seed,
+                curves: curves(&run.folder)?,
+                flights: flights(run, worlds, || watch(&format!("{} {}", kind.name(), run_name(&run.settings))))?,
+            })
+        });
+        let results = results.collect::<Result<Vec<_>, CollectError>>()?;
+        groups.push(Group { kind, settings: common(&first.settings), runs: results });
+    }
+    let seed = world.as_ref().map_or(0, |s| s.eval_seed);
+    let baselines = match &world {
+        Some(s) => baselines(out, s, Worlds { count, seed }, watch)?,
+        None => Vec::new(),
+    };
+    Ok(Results::new(SIZES.to_vec(), count, seed, groups, baselines))
+}
+
+/// Worlds that the runs below `out` flew in, the paper's number if none did.
+fn flown_before(out: &Path) -> u32 {
+    let runs = Kind::ALL.into_iter().flat_map(|kind| runs(out, kind).unwrap_or_default());
+    let counts = runs.filter_map(|r| read(&r.folder.path().join(FLIGHTS))).map(|f| f.worlds.count);
+    counts.max().unwrap_or(WORLDS)
+}
+
+/// Both groups fly the same worlds, but for the number of UAVs.
+fn same_worlds(run: &Run, other: &Settings) -> Result<(), CollectError> {
+    let (s, o) = (run.settings.world(), other.world());
+    let pairs = [
+        ("pois", s.pois.to_string(), o.pois.to_string()),
+        ("scenario", format!("{:?}", s.law), format!("{:?}", o.law)),
+        ("side", s.side_u.to_string(), o.side_u.to_string()),
+        ("steps", s.steps.to_string(), o.steps.to_string()),
+        ("eval_seed", run.settings.eval_seed.to_string(), other.eval_seed.to_string()),
+    ];
+    match pairs.into_iter().find(|(_, found, wanted)| found != wanted) {
+        Some((key, found, wanted)) => {
+            Err(CollectError::OtherWorlds { path: run.folder.path().to_owned(), key, found, wanted })
+        }
+        None => Ok(()),
+    }
+}
+
+fn curves(folder: &RunFolder) -> Result<Curves, CollectError> {
+    let rows: Vec<Row> = metrics::read(folder.metrics())?;
+    let list = |f: fn(&Row) -> f64| rows.iter().map(|r| rounded(f(r))).collect::<Vec<_>>();
+    let found = Curves {
+        episodes: rows.iter().map(|r| r.episodes).collect(),
+        reward: list(|r| r.reward),
+        coverage: list(|r| r.coverage),
+        energy: list(|r| r.energy),
+        policy_loss: list(|r| r.policy_loss),
+        individual: list(|r| r.individual),
+        group: list(|r| r.group),
+    };
+    let all = [&found.reward, &found.coverage, &found.energy, &found.policy_loss, &found.individual, &found.group];
+    match (0..rows.len()).find(|&k| all.iter().any(|list| !list[k].is_finite())) {
+        Some(row) => Err(CollectError::NotFinite { path: folder.metrics(), row: row + 1 }),
+        None => Ok(found),
+    }
+}
+
+fn flights(run: &Run, worlds: Worlds, watch: impl FnOnce()) -> Result<Vec<Flight>, CollectError> {
+    let file = run.folder.actor();
+    let bad = |why: String| CollectError::Actor { path: file.clone(), why };
+    let bytes = std::fs::read(&file).map_err(|e| bad(e.to_string()))?;
+    let actor = Actor::load(&bytes).map_err(|e| bad(e.to_string()))?;
+    let hash = format!("{:016x}", actor.content_hash());
+    cached(&run.folder.path().join(FLIGHTS), &hash, worlds, || {
+        watch();
+        fly(&Subject::Int8(&actor), &run.settings, worlds)
+    })
+}
+
+/// Hand-written policies in the worlds of these settings, kept beside the run folders.
+fn baselines(
+    out: &Path,
+    s: &Settings,
+    worlds: Worlds,
+    mut watch: impl FnMut(&str),
+) -> Result<Vec<Baseline>, CollectError> {
+    let w = s.world();
+    let of = format!("{} {:?} {} {}", w.pois, w.law, w.side_u, w.steps);
+    let fly = |policy: PolicyArg| {
+        let file = out.join("runs").join(format!("{}.json", policy.name()));
+        let flights = cached(&file, &of, worlds, || {
+            watch(policy.name());
+            fly(&Subject::Written(policy), s, worlds)
+        })?;
+        Ok(Baseline { policy: policy.name().to_owned(), flights })
+    };
+    BASELINES.into_iter().map(fly).collect()
+}
+
+/// Flights that are in `file`, when those are of the same worlds and the same policy; else
+/// new ones, which are put there.
+fn cached(
+    file: &Path,
+    of: &str,
+    worlds: Worlds,
+    fly: impl FnOnce() -> Result<Vec<Flight>, ScenarioError>,
+) -> Result<Vec<Flight>, CollectError> {
+    let sizes = |flights: &[Flight]| flights.iter().map(|f| f.uavs).eq(SIZES);
+    if let Some(flown) = read(file).filter(|f| f.actor == of && f.worlds == worlds && sizes(&f.flights)) {
+        return Ok(flown.flights);
+    }
+    let flown = Flown { actor: of.to_owned(), worlds, flights: fly()? };
+    atomic::write(file, serde_json::to_string(&flown)?.as_bytes())?;
+    Ok(flown.flights)
+}
+
+/// Flights that were written before; none when there are none, or none that can be read.
+fn read(file: &Path) -> Option<Flown> {
+    std::fs::read(file).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok())
+}
+
+fn fly(subject: &Subject<'_>, s: &Settings, worlds: Worlds) -> Result<Vec<Flight>, ScenarioError> {
+    let one = |uavs: u16| {
+        let scenario = Scenario { uavs: usize::from(uavs), ..s.world() };
+        let trial = Trial { scenario, seed: worlds.seed, worlds: worlds.count, mode: Mode::Sample };
+        let r = subject.measure("", &trial)?;
+        let values = [r.coverage, r.coverage_last, r.energy, r.individual, r.group, r.reward, r.fairness];
+        Ok(Flight { uavs, mean: EpisodeMetrics::from_values(values.map(rounded)) })
+    };
+    SIZES.into_iter().map(one).collect()
+}
