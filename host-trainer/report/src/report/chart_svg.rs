@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::ReportError;
-use super::chart::Chart;
+use super::chart::{Chart, Series};
 use super::chart_html::{Palette, classes};
 use super::curve::{Axes, band, label_on_right, line};
 use super::escape::Escaped;
@@ -16,6 +16,26 @@ const PLOT: (f64, f64, f64, f64) = (64.0, 76.0, 632.0, 272.0);
 /// Light and dark colours, as in the page's style sheet.
 pub(super) const STYLE: &str = include_str!("../assets/picture.css");
 
+/// Where the first line of the legend is, and how far the next.
+const FIRST_LINE: f64 = 50.0;
+const NEXT_LINE: f64 = 20.0;
+
+/// Places of the series in the legend, which takes as many lines as it needs.
+fn legend(chart: &Chart) -> Vec<(f64, f64)> {
+    let (mut x, mut y) = (20.0, FIRST_LINE);
+    let place = |series: &Series| {
+        // Width of the text as such fonts go; a little room either way does no harm.
+        let room = 48.0 + 7.0 * series.name.chars().count() as f64;
+        if x > 20.0 && x + room > WIDTH {
+            (x, y) = (20.0, y + NEXT_LINE);
+        }
+        let place = (x, y);
+        x += room;
+        place
+    };
+    chart.series.iter().map(place).collect()
+}
+
 /// The chart as an SVG file that follows the reader's light or dark setting.
 ///
 /// # Errors
@@ -24,24 +44,25 @@ pub fn chart_svg(chart: &Chart) -> Result<String, ReportError> {
     chart.check()?;
     let axes = Axes::of(chart);
     let (left, top, width, height) = PLOT;
+    let places = legend(chart);
+    let extra = places.last().map_or(0.0, |last| last.1 - FIRST_LINE);
+    let (top, all) = (top + extra, HEIGHT + extra);
     let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{title}\">\
-         <style>{STYLE}</style><rect class=\"face\" width=\"{WIDTH}\" height=\"{HEIGHT}\" rx=\"12\"/>\
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {all}\" role=\"img\" aria-label=\"{title}\">\
+         <style>{STYLE}</style><rect class=\"face\" width=\"{WIDTH}\" height=\"{all}\" rx=\"12\"/>\
          <text class=\"title\" x=\"20\" y=\"30\">{title}</text>",
         title = Escaped(&chart.title)
     );
     let mut palette = Palette::default();
-    let mut x = 20.0;
-    for series in &chart.series {
+    for (series, (x, y)) in chart.series.iter().zip(places) {
         let class = classes(palette.index(&series.name));
         let name = Escaped(&series.name);
         let _ = write!(
             out,
-            "<path class=\"line {class}\" d=\"M{x} 50h18\"/><text x=\"{}\" y=\"54\">{name}</text>",
-            x + 24.0
+            "<path class=\"line {class}\" d=\"M{x} {y}h18\"/><text x=\"{}\" y=\"{}\">{name}</text>",
+            x + 24.0,
+            y + 4.0
         );
-        // Width of the text as such fonts go; a little room either way does no harm.
-        x += 48.0 + 7.0 * series.name.chars().count() as f64;
     }
     for tick in axes.y.ticks() {
         let y = top + (1.0 - axes.y.place(tick)) * height;
@@ -54,7 +75,7 @@ pub fn chart_svg(chart: &Chart) -> Result<String, ReportError> {
         let _ = write!(out, "<text class=\"middle\" x=\"{x:.1}\" y=\"{y}\">{}</text>", axes.x.label(tick));
     }
     let right = left + width;
-    let _ = write!(out, "<text class=\"end\" x=\"{right}\" y=\"{}\">{}</text>", HEIGHT - 14.0, Escaped(&chart.x_label));
+    let _ = write!(out, "<text class=\"end\" x=\"{right}\" y=\"{}\">{}</text>", all - 14.0, Escaped(&chart.x_label));
     let _ = write!(out, "<text class=\"end\" x=\"{right}\" y=\"30\">{}</text>", Escaped(&chart.y_label));
     for reference in chart.references.iter().filter(|r| (0.0..=1.0).contains(&axes.y.place(r.y))) {
         let y = top + (1.0 - axes.y.place(reference.y)) * height;

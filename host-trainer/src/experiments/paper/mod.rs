@@ -23,7 +23,7 @@ pub use judge::{Bar, Finding, Verdict, judge};
 pub use kind::{Kind, QUICK};
 pub use quantity::{Measure, Quantity, When};
 pub use report::page;
-pub use results::{Curves, Flight, Group, Metric, Results, ResultsError, RunResult};
+pub use results::{Baseline, Curves, Flight, Group, Metric, Results, ResultsError, RunResult};
 
 use firmware_core::actor::Aggregation;
 

@@ -24,6 +24,8 @@ pub enum When {
     Whole,
     /// End less start.
     Change,
+    /// The value after so many episodes less start.
+    ChangeBy(f64),
     /// End less the value after so many episodes.
     ChangeFrom(f64),
     /// What was gained by so many episodes less what was gained from then to the end.
@@ -100,6 +102,7 @@ impl Quantity {
             When::Between(from, to) => between(c, metric, from, to),
             When::Whole => mean(c.of(metric)),
             When::Change => end() - start,
+            When::ChangeBy(episode) => at(c, metric, episode) - start,
             When::ChangeFrom(episode) => end() - at(c, metric, episode),
             When::Sooner(episode) => 2.0 * at(c, metric, episode) - start - end(),
             When::Share(episode) => (at(c, metric, episode) - start) / (end() - start),
@@ -135,6 +138,7 @@ impl Quantity {
             When::Between(from, _) => format!("{m}, mean from episode {from:.0} on"),
             When::Whole => format!("{m}, mean of all training"),
             When::Change => format!("{m}, end less start"),
+            When::ChangeBy(e) => format!("{m} after {e:.0} episodes less start"),
             When::ChangeFrom(e) => format!("{m}, end less that after {e:.0} episodes"),
             When::Sooner(e) => format!("{m}, gain by {e:.0} episodes less gain after"),
             When::Share(e) => format!("{m}, share of its change made by {e:.0} episodes"),
@@ -184,4 +188,71 @@ impl Measure {
 pub fn reached(run: &RunResult, metric: Metric, level: f64) -> Option<u64> {
     let c = &run.curves;
     c.of(metric).iter().position(|&v| v >= level).map(|k| c.episodes[k])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiments::paper::{Baseline, Flight};
+    use covey_env::EpisodeMetrics;
+
+    /// Ten rounds of 100 episodes in which coverage rises by 0.01 a round from 0.1, with a
+    /// policy loss of −4 and then −1; flights that cover 0.02 a UAV.
+    fn run() -> RunResult {
+        let ten = |f: fn(u32) -> f64| (0..10).map(f).collect::<Vec<_>>();
+        let curves = Curves {
+            episodes: (1..=10).map(|k| 100 * k).collect(),
+            reward: ten(f64::from),
+            coverage: ten(|k| 0.1 + 0.01 * f64::from(k)),
+            energy: ten(|k| if k % 2 == 0 { 0.9 } else { 0.7 }),
+            policy_loss: ten(|k| if k < 5 { -4.0 } else { -1.0 }),
+            individual: ten(|_| 1.0),
+            group: ten(|_| 2.0),
+        };
+        RunResult { graph: "gcn".into(), seed: 1, curves, flights: flights(0.02) }
+    }
+
+    fn flights(each: f64) -> Vec<Flight> {
+        let mean = |uavs: u16| EpisodeMetrics { coverage: each * f64::from(uavs), ..EpisodeMetrics::default() };
+        [5, 10, 30].map(|uavs| Flight { uavs, mean: mean(uavs) }).to_vec()
+    }
+
+    #[test]
+    fn every_part_of_a_curve_is_what_it_says() {
+        let random = Baseline { policy: "random".into(), flights: flights(0.01) };
+        let results = Results::new(vec![5, 10, 30], 1, 1, Vec::new(), vec![random]);
+        let is = |metric, when, wanted: f64| {
+            let found = Quantity(metric, when).of(&run(), &results);
+            assert!(
+                (found - wanted).abs() < 1e-12 || found.is_nan() && wanted.is_nan(),
+                "{metric:?} {when:?}: {found}"
+            );
+        };
+        let coverage = |when, wanted| is(Metric::Coverage, when, wanted);
+        coverage(When::Start, 0.1);
+        coverage(When::End, 0.19);
+        coverage(When::At(20.0), 0.1);
+        coverage(When::At(100.0), 0.105);
+        coverage(When::At(150.0), 0.11);
+        coverage(When::At(951.0), f64::NAN);
+        coverage(When::Between(0.0, 299.0), 0.105);
+        coverage(When::Between(200.0, 400.0), 0.125);
+        coverage(When::Between(800.0, f64::INFINITY), 0.185);
+        coverage(When::Between(0.0, 1001.0), f64::NAN);
+        coverage(When::Between(1000.0, f64::INFINITY), f64::NAN);
+        coverage(When::Whole, 0.145);
+        coverage(When::Change, 0.09);
+        coverage(When::ChangeBy(450.0), 0.04);
+        coverage(When::ChangeFrom(450.0), 0.05);
+        coverage(When::Sooner(450.0), -0.01);
+        coverage(When::Share(450.0), 4.0 / 9.0);
+        coverage(When::Unrest(0.0), 0.0);
+        coverage(When::Flights, 0.3);
+        coverage(When::PerTenUavs, 0.2);
+        coverage(When::AboveRandom, 0.05);
+        is(Metric::PolicyLoss, When::Calm(500.0), 0.25);
+        is(Metric::PolicyLoss, When::Flights, f64::NAN);
+        assert_eq!(reached(&run(), Metric::Coverage, 0.115), Some(300));
+        assert_eq!(reached(&run(), Metric::Coverage, 0.2), None);
+    }
 }

@@ -70,9 +70,10 @@ fn introduction(results: &Results) -> String {
          within 5 %.\n\n\
          **Numbers.** Curves are means over the rounds of training ({} episodes each), bands 95 % intervals (t) of the mean over seeds. Tables \
          have the\ninterquartile mean over seeds, which leaves the lowest and the highest quarter out, with a 95 % bootstrap interval over seeds \
-         (whole runs are\ndrawn, 10,000 times, from a fixed seed). Policies fly as int8 actors, actions drawn, in worlds 0 to {} of seed {}: worlds \
+         (whole runs are\ndrawn, {} times, from a fixed seed). Policies fly as int8 actors, actions drawn, in worlds 0 to {} of seed {}: worlds \
          that no run was trained\non, the same for all.\n",
         results.groups.first().map_or("?", |g| g.setting("worlds")),
+        super::statistics::RESAMPLES,
         results.worlds.saturating_sub(1),
         results.world_seed,
     );
@@ -106,7 +107,7 @@ fn section(f: Figure, group: &Group, results: &Results, found: &[(&Claim, Findin
         "\n## Figure {}: {} over {over}\n\n![{name} over {over}](figures/{})\n\n| the paper says | measured | here | holds when | verdict |\n\
          |---|---|--:|---|---|\n",
         f.number,
-        name.to_lowercase(),
+        name.replacen(|c: char| c.is_ascii_uppercase(), &name[..1].to_lowercase(), 1),
         f.file
     );
     for (claim, finding) in found.iter().filter(|(c, _)| c.figure == f.number) {
@@ -171,6 +172,15 @@ fn comparison(results: &Results) -> String {
     }
     out += "\n## Against plain PPO trained equally long\n\n\
             Differences seed by seed, their mean and 95 % interval (t). *Above* and *below*: the interval excludes 0.\n";
+    let lengths: Vec<String> =
+        results.groups.iter().map(|g| format!("{} episodes in {}", g.episodes(), g.kind.title())).collect();
+    if results.groups.windows(2).any(|w| w[0].episodes() != w[1].episodes()) {
+        let _ = writeln!(
+            out,
+            "Runs of one group are of equal length, those of different groups are not: {}.",
+            lengths.join(", ")
+        );
+    }
     out + &improvements(results)
 }
 
