@@ -176,6 +176,6 @@ fn what_cannot_be_compared_is_refused() {
     let uniform = ["--settings", "shipped", "--set", "scenario=uniform"];
     refuse(&mut quick(&out, &[&one[..], &uniform].concat()), &["scenario = Uniform", "Clustered", "--out"]);
     fs::write(out.join("runs/paper/none-seed1/actor.postcard"), b"nothing").expect("written");
-    let done = finish(&mut quick(&out, &[]).args(["--graphs", "none", "--seeds", "1"]));
+    let done = finish(&mut quick(&out, &["--graphs", "none", "--seeds", "1"]));
     assert!(done.code == Some(1) && done.err.contains("no sound actor"), "{}", done.err);
 }
