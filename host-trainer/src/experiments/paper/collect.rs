@@ -4,6 +4,7 @@ use super::kind::{Kind, common};
 use super::results::{Baseline, Curves, Flight, Group, Results, RunResult, rounded};
 use super::{SIZES, WORLDS};
 use crate::cli::PolicyArg;
+use crate::float_actor::FloatActor;
 use crate::measure::{Subject, Trial};
 use crate::run::{FolderError, RunFolder};
 use crate::settings::Settings;
@@ -67,7 +68,9 @@ pub enum CollectError {
         wanted: String,
     },
     /// The actor file is not sound.
-    #[error("{path} holds no sound actor ({why}); delete it, and the same command writes it anew")]
+    #[error(
+        "{path} holds no sound actor ({why}); delete it and evaluation.json beside it, and the same command makes both anew"
+    )]
     Actor {
         /// The file.
         path: PathBuf,
@@ -145,10 +148,10 @@ pub fn runs(out: &Path, kind: Kind) -> Result<Vec<Run>, CollectError> {
     Ok(found)
 }
 
-/// Whether a run is done: trained, quantised and measured.
+/// Whether a run is done: trained and measured, which comes after quantising.
 #[must_use]
 pub fn finished(folder: &RunFolder) -> bool {
-    folder.actor().is_file() && folder.evaluation().is_file()
+    folder.evaluation().is_file()
 }
 
 /// Refuses settings that differ in more than algorithm and seed from the runs of the group.
@@ -194,11 +197,14 @@ pub fn collect(out: &Path, count: Option<u32>, mut watch: impl FnMut(&str)) -> R
         same_worlds(first, world.get_or_insert_with(|| first.settings.clone()))?;
         let worlds = Worlds { count, seed: first.settings.eval_seed };
         let results = runs.iter().map(|run| {
+            let name = format!("{} {}", kind.name(), run_name(&run.settings));
+            let (flown, flights) = flights(run, worlds, || watch(&name))?;
             Ok(RunResult {
                 graph: run.settings.graph.0.name().to_owned(),
                 seed: run.settings.seed,
+                flown: flown.to_owned(),
                 curves: curves(&run.folder)?,
-                flights: flights(run, worlds, || watch(&format!("{} {}", kind.name(), run_name(&run.settings))))?,
+                flights,
             })
         });
         let results = results.collect::<Result<Vec<_>, CollectError>>()?;
@@ -256,16 +262,29 @@ fn curves(folder: &RunFolder) -> Result<Curves, CollectError> {
     }
 }
 
-fn flights(run: &Run, worlds: Worlds, watch: impl FnOnce()) -> Result<Vec<Flight>, CollectError> {
-    let file = run.folder.actor();
+/// Flights of a run's int8 actor or, where the settings allow of none, its float policy; with
+/// the name of the one that flew.
+fn flights(run: &Run, worlds: Worlds, watch: impl FnOnce()) -> Result<(&'static str, Vec<Flight>), CollectError> {
+    let (file, flown) = (run.folder.actor(), run.folder.path().join(FLIGHTS));
+    if !file.exists() {
+        let (settings, checkpoint) = run.folder.load()?;
+        let of = format!("float policy after {} rounds", checkpoint.state.rounds);
+        let float = FloatActor::new(&settings, checkpoint.state.average);
+        let flights = cached(&flown, &of, worlds, || {
+            watch();
+            fly(&Subject::Float(&float), &settings, worlds)
+        })?;
+        return Ok(("float", flights));
+    }
     let bad = |why: String| CollectError::Actor { path: file.clone(), why };
     let bytes = std::fs::read(&file).map_err(|e| bad(e.to_string()))?;
     let actor = Actor::load(&bytes).map_err(|e| bad(e.to_string()))?;
     let hash = format!("{:016x}", actor.content_hash());
-    cached(&run.folder.path().join(FLIGHTS), &hash, worlds, || {
+    let flights = cached(&flown, &hash, worlds, || {
         watch();
         fly(&Subject::Int8(&actor), &run.settings, worlds)
-    })
+    })?;
+    Ok(("int8", flights))
 }
 
 /// Hand-written policies in the worlds of these settings, kept beside the run folders.
