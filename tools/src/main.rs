@@ -1,6 +1,8 @@
 //! `cargo xtask`: set-up, the whole test run, target images, sizes and costs of Covey.
 
 mod command;
+mod counts;
+mod document;
 mod error;
 mod flash;
 mod setup;
@@ -21,6 +23,8 @@ enum Xtask {
     Setup(setup::Args),
     /// Build for every target, run it in emulators, measure it and check the figures.
     Targets(targets::Args),
+    /// Count the instructions of the trainer's parts under valgrind and check the counts.
+    Counts(counts::Args),
     /// Tell what an actor file takes on a flight controller, and whether it fits.
     Size(size::Args),
     /// Put the program and an actor file on a board, or the node and the file on a computer.
@@ -33,6 +37,7 @@ fn main() -> ExitCode {
     let done = match Xtask::parse() {
         Xtask::Setup(args) => setup::main(&args),
         Xtask::Targets(args) => targets::main(&args),
+        Xtask::Counts(args) => counts::main(&args),
         Xtask::Size(args) => size::main(&args),
         Xtask::Flash(args) => flash::main(&args),
         Xtask::Test(args) => test::main(&args),

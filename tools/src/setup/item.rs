@@ -26,6 +26,8 @@ pub enum Item {
     ArmGcc,
     /// Rust's libraries for Cortex-M and aarch64 Linux.
     RustTargets,
+    /// Counts instructions of the trainer's parts.
+    Valgrind,
 }
 
 impl Item {
@@ -39,6 +41,7 @@ impl Item {
         Self::Aarch64Gcc,
         Self::ArmGcc,
         Self::RustTargets,
+        Self::Valgrind,
     ];
 
     /// The name on the command line.
@@ -52,6 +55,7 @@ impl Item {
             Self::Aarch64Gcc => "aarch64-gcc",
             Self::ArmGcc => "arm-gcc",
             Self::RustTargets => "rust-targets",
+            Self::Valgrind => "valgrind",
         }
     }
 
@@ -66,6 +70,7 @@ impl Item {
             Self::Aarch64Gcc => "C compiler and static C library for aarch64, link the node",
             Self::ArmGcc => "C compiler and library for Cortex-M, compile a C program against the C interface",
             Self::RustTargets => "Rust's libraries for Cortex-M and aarch64 Linux",
+            Self::Valgrind => "counts instructions of the trainer's parts",
         }
     }
 
@@ -78,6 +83,7 @@ impl Item {
             Self::QemuAarch64 => &["qemu-user-static"],
             Self::Aarch64Gcc => &["gcc-aarch64-linux-gnu", "libc6-dev-arm64-cross"],
             Self::ArmGcc => &["gcc-arm-none-eabi", "picolibc-arm-none-eabi"],
+            Self::Valgrind => &["valgrind"],
             Self::Simlink | Self::RustTargets => &[],
         }
     }
@@ -93,6 +99,7 @@ impl Item {
             Self::Aarch64Gcc => compiler_has("aarch64-linux-gnu-gcc", "libc.a"),
             Self::ArmGcc => compiler_has("arm-none-eabi-gcc", "picolibc.specs"),
             Self::RustTargets => Toolchain::find().is_some(),
+            Self::Valgrind => find_program(&["valgrind"]).is_some(),
         }
     }
 }

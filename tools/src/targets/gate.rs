@@ -4,6 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use super::row::{self, Row};
+use crate::document;
 use crate::error::{Error, Result};
 use crate::workspace;
 
@@ -22,15 +23,8 @@ pub const STACK_LIMIT: u64 = 2 * 1024;
 /// How far an instruction count may be from the committed one, in hundredths.
 const TOLERANCE: u64 = 3;
 
-const TABLE_BEGIN: &str = "<!-- table: written by `cargo xtask targets --bless` -->\n";
-const TABLE_END: &str = "<!-- end of table -->\n";
-
 fn figures_file() -> PathBuf {
     workspace::root().join("docs/targets.json")
-}
-
-fn document() -> PathBuf {
-    workspace::root().join("docs/targets.md")
 }
 
 /// Everything that is wrong with the rows, each in a line.
@@ -104,13 +98,7 @@ fn changes(row: &Row, committed: &Row) -> Vec<String> {
 pub fn bless(rows: &[Row]) -> Result<()> {
     let path = figures_file();
     fs::write(&path, row::json(rows) + "\n").map_err(Error::file(&path))?;
-    let path = document();
-    let text = fs::read_to_string(&path).map_err(Error::file(&path))?;
-    let around = text.split_once(TABLE_BEGIN).and_then(|(before, rest)| Some((before, rest.split_once(TABLE_END)?.1)));
-    let (before, after) =
-        around.ok_or_else(|| Error::Setup(format!("{}: the comments around the table are gone", path.display())))?;
-    let text = format!("{before}{TABLE_BEGIN}{}{TABLE_END}{after}", row::table(rows));
-    fs::write(&path, text).map_err(Error::file(&path))
+    document::replace_table("docs/targets.md", "targets", &row::table(rows))
 }
 
 #[cfg(test)]

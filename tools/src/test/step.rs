@@ -2,6 +2,7 @@
 
 use super::tally::Tally;
 use crate::command::Cmd;
+use crate::counts;
 use crate::error::Result;
 use crate::setup::Item;
 use crate::setup::rust_targets::{CORTEX_M, Toolchain};
@@ -64,6 +65,7 @@ pub const STEPS: &[Step] = &[
             &["run", "--release", "--package", "host-trainer", "--", "eval", "--actor", "qemu-m7", "--worlds", "2"],
         )
     },
+    Step { needs: counts::NEEDS, ..Step::cargo("counts", &["xtask", "counts"]) },
     Step {
         needs: &[Item::Browser, Item::PythonVenv, Item::Simlink],
         ..Step::cargo("tests", &["test", "--workspace", "--release", "--no-fail-fast"])

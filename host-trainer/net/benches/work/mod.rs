@@ -1,0 +1,231 @@
+//! Fixed work of the sizes that training has, for clocks and for counting instructions.
+
+use covey_env::baselines::Centroid;
+use covey_env::{ActorPolicy, Links, Observer, Policy, Scenario, World};
+use covey_net::{
+    ActorGradient, ActorNet, ActorPass, CriticGradient, CriticNet, CriticPass, Inputs, Layout, initialise,
+    worlds_in_pass,
+};
+use firmware_core::action::{ACTIONS, Action};
+use firmware_core::actor::{Actor, Aggregation, Dimensions, Mode};
+use firmware_core::observation::{LEN, Observation};
+
+/// UAVs in a world.
+pub const UAVS: usize = 20;
+
+/// The default world k² times, with as many UAVs and PoIs to the area and shorter flights.
+pub fn large(k: usize) -> Scenario {
+    let base = Scenario::default();
+    Scenario {
+        uavs: UAVS * k * k,
+        pois: base.pois * k * k,
+        side_u: base.side_u * k as f32,
+        steps: base.steps / k as u32,
+        ..base
+    }
+}
+
+/// A world that the int8 actor flies, as in an evaluation.
+pub struct Flight<'a> {
+    world: World,
+    policy: ActorPolicy<'a>,
+    actions: Vec<Action>,
+}
+
+impl<'a> Flight<'a> {
+    /// Flown by this actor.
+    pub fn new(scenario: &Scenario, actor: Actor<'a>) -> Self {
+        let world = World::new(scenario).expect("a sound scenario");
+        Self { world, policy: ActorPolicy::new(actor, 1, Mode::Sample), actions: vec![Action::COAST; scenario.uavs] }
+    }
+
+    /// A whole episode.
+    pub fn episode(&mut self) {
+        self.world.reset(0, 0);
+        self.policy.begin(&self.world);
+        while !self.world.done() {
+            self.policy.act(&self.world, &mut self.actions);
+            self.world.step(&self.actions);
+        }
+    }
+
+    /// Agent-steps of an episode.
+    pub fn agent_steps(&self) -> u64 {
+        u64::from(self.world.scenario().steps) * self.actions.len() as u64
+    }
+}
+
+/// A world with a script of actions, played over and over.
+pub struct Environment {
+    world: World,
+    script: Vec<Vec<Action>>,
+    observer: Observer,
+    observations: Vec<Observation>,
+    links: Vec<Links>,
+}
+
+impl Environment {
+    /// Flown by the centroid heuristic, so that groups form and PoIs are seen.
+    pub fn new(scenario: &Scenario) -> Self {
+        let mut world = World::new(scenario).expect("a sound scenario");
+        let mut policy = Centroid::new(1, 0);
+        policy.begin(&world);
+        let mut actions = vec![Action::COAST; scenario.uavs];
+        let mut script = Vec::new();
+        while !world.done() {
+            policy.act(&world, &mut actions);
+            world.step(&actions);
+            script.push(actions.clone());
+        }
+        let (observations, links) = (vec![[0; LEN]; scenario.uavs], vec![Links::default(); scenario.uavs]);
+        Self { world, script, observer: Observer::new(1, 1_000_000), observations, links }
+    }
+
+    /// A whole episode with the observations of every step.
+    pub fn episode(&mut self) {
+        self.world.reset(0, 0);
+        for actions in &self.script {
+            self.world.step(actions);
+            self.observer.observe(&self.world, &mut self.observations, &mut self.links);
+        }
+    }
+
+    /// Agent-steps of an episode.
+    pub fn agent_steps(&self) -> u64 {
+        (self.script.len() * self.observations.len()) as u64
+    }
+}
+
+/// Both networks of the default widths with what they see of some world-steps.
+pub struct Networks {
+    actor: ActorNet,
+    critic: CriticNet,
+    actor_pass: ActorPass,
+    critic_pass: CriticPass,
+    actor_gradient: ActorGradient,
+    critic_gradient: CriticGradient,
+    inputs: Inputs,
+    observations: Vec<Observation>,
+    links: Vec<Links>,
+}
+
+impl Networks {
+    /// Sees `world_steps` states, from the beginnings and ends of flights.
+    pub fn new(aggregation: Aggregation, world_steps: usize) -> Self {
+        let d = Dimensions { observation: LEN as u16, hidden: 128, feature: 64, head: 64, actions: ACTIONS as u16 };
+        let layouts = [Layout::actor(d, aggregation), Layout::critic(d)];
+        let (mut actor, mut critic) = (ActorNet::new(&layouts[0], aggregation), CriticNet::new(&layouts[1]));
+        actor.load(&parameters(&layouts[0]));
+        critic.load(&parameters(&layouts[1]));
+        let (observations, links) = situations(world_steps);
+        let mut networks = Self {
+            actor,
+            critic,
+            actor_pass: ActorPass::new(&layouts[0]),
+            critic_pass: CriticPass::new(&layouts[1]),
+            actor_gradient: ActorGradient::new(&layouts[0]),
+            critic_gradient: CriticGradient::new(&layouts[1]),
+            inputs: Inputs::new(LEN),
+            observations,
+            links,
+        };
+        networks.see(0..world_steps.min(worlds_in_pass(UAVS, world_steps)));
+        networks
+    }
+
+    /// Samples of a pass.
+    pub fn pass(&self) -> u64 {
+        self.inputs.rows().rows() as u64
+    }
+
+    /// Samples of a minibatch.
+    pub fn samples(&self) -> u64 {
+        self.observations.len() as u64
+    }
+
+    fn see(&mut self, world_steps: std::ops::Range<usize>) {
+        let place = world_steps.start * UAVS..world_steps.end * UAVS;
+        self.inputs.clear(UAVS);
+        self.inputs.push(&self.observations[place.clone()], &self.links[place]);
+    }
+
+    /// Logits of a pass.
+    pub fn actor_forward(&mut self) {
+        self.actor_pass.forward(&self.actor, &self.inputs);
+    }
+
+    /// Values of a pass.
+    pub fn critic_forward(&mut self) {
+        self.critic_pass.forward(&self.critic, &self.inputs);
+    }
+
+    /// Gradient of the actor over a pass.
+    pub fn actor_gradient(&mut self) {
+        self.actor_forward();
+        slopes(self.actor_pass.logits_mut().values_mut());
+        self.actor_pass.backward(&self.actor, &self.inputs, &mut self.actor_gradient);
+    }
+
+    /// Gradient of the critic over a pass.
+    pub fn critic_gradient(&mut self) {
+        self.critic_forward();
+        slopes(self.critic_pass.values_mut().values_mut());
+        self.critic_pass.backward(&self.critic, &self.inputs, &mut self.critic_gradient);
+    }
+
+    /// Gradients of both over all that is to be seen, pass by pass.
+    pub fn minibatch(&mut self) {
+        self.actor_gradient.clear();
+        self.critic_gradient.clear();
+        let world_steps = self.observations.len() / UAVS;
+        let pass = worlds_in_pass(UAVS, world_steps);
+        for first in (0..world_steps).step_by(pass) {
+            self.see(first..(first + pass).min(world_steps));
+            self.actor_gradient();
+            self.critic_gradient();
+        }
+    }
+}
+
+/// Some gradient by the outputs.
+fn slopes(outputs: &mut [f32]) {
+    outputs.iter_mut().enumerate().for_each(|(k, g)| *g = (k % 7) as f32 - 3.0);
+}
+
+/// Fresh weights with biases that let through as much as those of a trained network.
+fn parameters(layout: &Layout) -> Vec<f32> {
+    let mut values = initialise(layout, "work", 1);
+    for piece in layout.pieces() {
+        let bias = match piece.name {
+            "encoder1 bias" => 0.05,
+            "encoder2 bias" => 0.45,
+            "graph bias" => 0.15,
+            "head bias" => 1.0,
+            _ => 0.0,
+        };
+        values[piece.start..piece.start + piece.len()].iter_mut().for_each(|v| *v += bias);
+    }
+    values
+}
+
+/// What the UAVs see of as many world-steps, each of another flight.
+fn situations(world_steps: usize) -> (Vec<Observation>, Vec<Links>) {
+    let scenario = Scenario::default();
+    let mut world = World::new(&scenario).expect("a sound scenario");
+    let mut observer = Observer::new(9, 1_000_000);
+    let mut actions = vec![Action::COAST; UAVS];
+    let mut observations = vec![[0; LEN]; world_steps * UAVS];
+    let mut links = vec![Links::default(); world_steps * UAVS];
+    for (k, (observations, links)) in observations.chunks_exact_mut(UAVS).zip(links.chunks_exact_mut(UAVS)).enumerate()
+    {
+        world.reset(5, k as u64);
+        let mut policy = Centroid::new(1, k as u64);
+        policy.begin(&world);
+        for _ in 0..k * 7 % 40 {
+            policy.act(&world, &mut actions);
+            world.step(&actions);
+        }
+        observer.observe(&world, observations, links);
+    }
+    (observations, links)
+}
