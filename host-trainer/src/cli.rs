@@ -33,6 +33,7 @@ pub enum Command {
         after_help = "Examples:\n  host-trainer eval\n  host-trainer eval --policy centroid --uavs 5,10,20 --json\n  \
         host-trainer eval --model actor.postcard --scenario uniform --decide argmax\n  \
         host-trainer eval --run runs/gcn-seed10 --float\n  \
+        host-trainer eval --uavs 20,1000 --same-density --worlds 10\n  \
         host-trainer eval --link loss=0.1 --link loss=0.3,burst=5,delay_ms=2000\n  \
         host-trainer eval --actor qemu-m7 --worlds 10"
     )]
@@ -51,7 +52,8 @@ pub enum Command {
         host-trainer report runs/gcn-seed10 runs/gat-seed10 --out compare.html")]
     Report(Report),
     /// Measure how fast this machine trains.
-    #[command(after_help = "Examples:\n  host-trainer bench\n  host-trainer bench --graph gat --threads 1 --json")]
+    #[command(after_help = "Examples:\n  host-trainer bench\n  host-trainer bench --graph gat --threads 1 --json\n  \
+        host-trainer bench --against ./other.sh --stage env --repeats 5")]
     Bench(Bench),
     /// List every setting of a training run with its default and meaning.
     #[command(after_help = "Example:\n  host-trainer settings > my.toml")]
@@ -108,6 +110,19 @@ pub enum DecideArg {
     Sample,
     /// The most probable one.
     Argmax,
+}
+
+/// A part of training.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum StageArg {
+    /// Environment and observation, random actions.
+    Env,
+    /// These with actor and critic.
+    Policy,
+    /// Learning from what was played.
+    Update,
+    /// All of it.
+    Train,
 }
 
 /// What runs the actor.
@@ -177,6 +192,10 @@ pub struct Eval {
     /// Numbers of UAVs.
     #[arg(long, value_name = "N,N", value_delimiter = ',', default_value = "20")]
     pub uavs: Vec<u16>,
+    /// The map and the number of PoIs grow and shrink with the number of UAVs: as many of both
+    /// to the area as with 20 UAVs (or as many as the run was trained with).
+    #[arg(long)]
+    pub same_density: bool,
     /// Law of the PoIs.
     #[arg(long, default_value = "clustered")]
     pub scenario: LawArg,
@@ -315,13 +334,17 @@ pub struct Bench {
     /// [default: all].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=LEN as i64))]
     pub inputs: Option<u16>,
-    /// Another program's measurement, a command for the shell: it and training take turns,
+    /// Another program's measurement, a command for the shell: it and the stage take turns,
     /// and the ratios of the rates are printed.
     #[arg(long, value_name = "COMMAND")]
     pub against: Option<String>,
-    /// What stands before the rate in the output of --against: the last number after it counts.
-    #[arg(long, value_name = "TEXT", default_value = "agent_steps_per_s", requires = "against")]
-    pub marker: String,
+    /// What is compared with it.
+    #[arg(long, default_value = "train", requires = "against")]
+    pub stage: StageArg,
+    /// What stands before the rate in the output of --against: the last number after it counts
+    /// [default: agent_steps_per_s, or where that is not found, rate].
+    #[arg(long, value_name = "TEXT", requires = "against")]
+    pub marker: Option<String>,
     /// Sets one setting; may be repeated.
     #[arg(long, value_name = "key=value")]
     pub set: Vec<String>,

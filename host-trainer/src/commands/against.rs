@@ -5,6 +5,9 @@ use serde::Serialize;
 use std::process::{Command, Stdio};
 use thiserror::Error;
 
+/// What rates are called where nothing else is said: the first that is found counts.
+const MARKERS: [&str; 2] = ["agent_steps_per_s", "rate"];
+
 /// Why another program's rate is not known.
 #[derive(Debug, Diagnostic, Error)]
 pub enum AgainstError {
@@ -34,7 +37,7 @@ pub enum AgainstError {
     },
 }
 
-/// Two programs in turn: agent-steps a second with learning, pair by pair.
+/// Two programs in turn: agent-steps a second, pair by pair.
 #[derive(Clone, Debug, Serialize)]
 pub struct Turns {
     /// The other program.
@@ -47,11 +50,12 @@ pub struct Turns {
     pub ratio: f64,
 }
 
-/// Lets them take turns `pairs` times; `own` measures the trainer.
+/// Lets them take turns `pairs` times; `own` measures the trainer. The other's rate is the last
+/// number after `marker`.
 ///
 /// # Errors
 /// See [`AgainstError`].
-pub fn take_turns(command: &str, marker: &str, pairs: u32, mut own: impl FnMut() -> f64) -> Result<Turns> {
+pub fn take_turns(command: &str, marker: Option<&str>, pairs: u32, mut own: impl FnMut() -> f64) -> Result<Turns> {
     let (mut rates, mut own_rates) = (Vec::new(), Vec::new());
     for _ in 0..pairs.max(1) {
         own_rates.push(own());
@@ -62,14 +66,18 @@ pub fn take_turns(command: &str, marker: &str, pairs: u32, mut own: impl FnMut()
 }
 
 /// Runs the command by the shell and reads its rate; its error output is shown.
-fn rate_of(command: &str, marker: &str) -> Result<f64, AgainstError> {
+fn rate_of(command: &str, marker: Option<&str>) -> Result<f64, AgainstError> {
     let shell = Command::new("sh").args(["-c", command]).stdin(Stdio::null()).stderr(Stdio::inherit()).output();
     let output = shell.map_err(|error| AgainstError::Start { command: command.to_owned(), error })?;
     if !output.status.success() {
         return Err(AgainstError::Failed { command: command.to_owned(), status: output.status });
     }
-    last_number(&String::from_utf8_lossy(&output.stdout), marker)
-        .ok_or_else(|| AgainstError::NoRate { command: command.to_owned(), marker: marker.to_owned() })
+    let printed = String::from_utf8_lossy(&output.stdout);
+    let markers = marker.as_ref().map_or(&MARKERS[..], std::slice::from_ref);
+    markers
+        .iter()
+        .find_map(|marker| last_number(&printed, marker))
+        .ok_or_else(|| AgainstError::NoRate { command: command.to_owned(), marker: markers.join("` or `") })
 }
 
 /// The first number after the last `marker`.
@@ -98,10 +106,15 @@ mod tests {
 
     #[test]
     fn a_program_without_a_rate_is_named() {
-        let turns = take_turns("echo rate 50", "rate", 3, || 100.0).expect("rates");
+        let turns = take_turns("echo rate 50", None, 3, || 100.0).expect("rates");
         assert_eq!((turns.ratio, turns.rates.len(), turns.own_rates.len()), (2.0, 3, 3));
-        let message = |command| take_turns(command, "rate", 1, || 1.0).expect_err("no rate").to_string();
+        let both = "echo rate 50; echo agent_steps_per_s=25";
+        assert_eq!(take_turns(both, None, 1, || 100.0).expect("rates").ratio, 4.0);
+        assert_eq!(take_turns(both, Some("rate"), 1, || 100.0).expect("rates").ratio, 2.0);
+        let message = |command| take_turns(command, Some("rate"), 1, || 1.0).expect_err("no rate").to_string();
         assert!(message("echo nothing").contains("no number after `rate`"));
+        let any = take_turns("true", None, 1, || 1.0).expect_err("no rate").to_string();
+        assert!(any.contains("after `agent_steps_per_s` or `rate`"), "{any}");
         assert!(message("exit 3").contains("failed"));
     }
 }

@@ -3,7 +3,7 @@
 use super::against::{Turns, take_turns};
 use super::machine::{memory_gb_per_s, peak_gflops, peak_memory_mib};
 use super::{apply, cores, use_threads};
-use crate::cli::Bench;
+use crate::cli::{Bench, StageArg};
 use crate::settings::{Graph, Settings};
 use crate::train::{Stage, Trainer, Workers, dimensions};
 use covey_env::ObservationForm;
@@ -37,6 +37,8 @@ struct Report {
     worlds: u32,
     minibatch: u32,
     repeats: u32,
+    /// What was compared with the other program.
+    stage: &'static str,
     against: Option<Turns>,
 }
 
@@ -80,10 +82,15 @@ fn measure(args: &Bench, s: &Settings, trainer: &mut Trainer, workers: &Workers)
         rates[3].push(agent_steps / round(trainer, workers).as_secs_f64());
     }
     let against = args.against.as_ref().map(|command| {
-        take_turns(command, &args.marker, repeats, || {
+        take_turns(command, args.marker.as_deref(), repeats, || {
             let (mut rounds, mut spent) = (0.0, Duration::ZERO);
             while spent < TURN {
-                spent += round(trainer, workers);
+                spent += match args.stage {
+                    StageArg::Env => trainer.time(Stage::Environment, workers),
+                    StageArg::Policy => trainer.time(Stage::Policy, workers),
+                    StageArg::Update => trainer.time(Stage::Update, workers),
+                    StageArg::Train => round(trainer, workers),
+                };
                 rounds += 1.0;
             }
             rounds * agent_steps / spent.as_secs_f64()
@@ -112,6 +119,7 @@ fn measure(args: &Bench, s: &Settings, trainer: &mut Trainer, workers: &Workers)
         worlds: s.worlds,
         minibatch: s.minibatch,
         repeats,
+        stage: stage_name(args.stage),
         against: against.transpose()?,
     })
 }
@@ -123,16 +131,25 @@ fn round(trainer: &mut Trainer, workers: &Workers) -> Duration {
     start.elapsed()
 }
 
+const fn stage_name(stage: StageArg) -> &'static str {
+    match stage {
+        StageArg::Env => "environment and observation",
+        StageArg::Policy => "policy: environment, actor, critic",
+        StageArg::Update => "update",
+        StageArg::Train => "training, all of it",
+    }
+}
+
 fn print(r: &Report) {
     println!(
         "{} of {} inputs on {} thread(s), {} epochs, medians of {}:",
         r.graph, r.inputs, r.threads, r.epochs, r.repeats
     );
     for (what, rate) in [
-        ("environment and observation", r.env_agent_steps_per_s),
-        ("policy: environment, actor, critic", r.policy_agent_steps_per_s),
-        ("update", r.update_agent_steps_per_s),
-        ("training, all of it", r.train_agent_steps_per_s),
+        (stage_name(StageArg::Env), r.env_agent_steps_per_s),
+        (stage_name(StageArg::Policy), r.policy_agent_steps_per_s),
+        (stage_name(StageArg::Update), r.update_agent_steps_per_s),
+        (stage_name(StageArg::Train), r.train_agent_steps_per_s),
     ] {
         println!("  {what:<36} {rate:>9.0} agent-steps/s");
     }
@@ -149,7 +166,7 @@ fn print(r: &Report) {
         println!("  at most {peak:.0} MiB in use");
     }
     if let Some(t) = &r.against {
-        println!("  training, and {}:", t.command);
+        println!("  {}, and {}:", r.stage, t.command);
         for (own, other) in t.own_rates.iter().zip(&t.rates) {
             println!("    {own:>9.0} {other:>9.0} agent-steps/s: {:.2} times", own / other);
         }

@@ -51,7 +51,8 @@ pub fn run(args: &Eval) -> Result<()> {
     let board = Emulated::find(args.actor, args.image.as_deref())?;
     let (mut rows, mut difference) = (Vec::new(), None);
     for &uavs in &args.uavs {
-        let scenario = Scenario { uavs: usize::from(uavs), law: args.scenario.into(), ..worlds.clone() };
+        let worlds = if args.same_density { with_density_of(&worlds, uavs) } else { worlds.clone() };
+        let scenario = Scenario { uavs: usize::from(uavs), law: args.scenario.into(), ..worlds };
         let trial = Trial { scenario, seed: args.seed, worlds: args.worlds, mode };
         match &board {
             None => rows.extend(one(args, (&bytes, &name), float.as_ref(), &trial)?),
@@ -85,6 +86,17 @@ pub fn run(args: &Eval) -> Result<()> {
     })
 }
 
+/// Worlds for so many UAVs with as many of them, and of PoIs, to the area as in `base`.
+fn with_density_of(base: &Scenario, uavs: u16) -> Scenario {
+    let times = f64::from(uavs) / base.uavs as f64;
+    Scenario {
+        uavs: uavs.into(),
+        pois: ((base.pois as f64 * times).round() as usize).max(1),
+        side_u: (f64::from(base.side_u) * times.sqrt()) as f32,
+        ..base.clone()
+    }
+}
+
 /// The rows for one number of UAVs; `file` is the actor file's bytes and its name.
 fn one(args: &Eval, file: (&[u8], &str), float: Option<&FloatActor>, trial: &Trial) -> Result<Vec<EvalRow>> {
     if let Some(policy) = args.policy {
@@ -104,4 +116,20 @@ fn one(args: &Eval, file: (&[u8], &str), float: Option<&FloatActor>, trial: &Tri
         eprintln!("argmax agreement {:.2} % over {all} decisions", 100.0 * agreeing as f64 / all as f64);
     }
     Ok(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_map_grows_with_the_swarm() {
+        let base = Scenario::default();
+        assert_eq!(with_density_of(&base, 20), base);
+        let large = with_density_of(&base, 2000);
+        assert_eq!((large.uavs, large.pois, large.side_u), (2000, 12_000, 2000.0));
+        assert_eq!(large.validate(), Ok(()));
+        assert_eq!(with_density_of(&base, 16_384).validate(), Ok(()));
+        assert_eq!(with_density_of(&base, 5).pois, 30);
+    }
 }
