@@ -253,8 +253,8 @@ fn a_record_that_cannot_be_read_is_malformed() {
 #[test]
 fn another_observation_is_named() {
     let error = refusal(&altered(|b| b.observation = observation::ID + 1));
-    assert_eq!(error, LoadError::Observation { found: observation::ID + 1 });
-    assert!(error.to_string().contains("train it again"), "{error}");
+    assert_eq!(error, LoadError::Observation { found: observation::ID + 1, built: observation::ID });
+    assert!(error.to_string().contains("train one of that form"), "{error}");
 }
 
 #[test]

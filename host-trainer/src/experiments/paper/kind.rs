@@ -2,6 +2,7 @@
 
 use crate::settings::{Graph, KEYS, Settings};
 use clap::ValueEnum;
+use covey_env::ObservationForm;
 use firmware_core::actor::Aggregation;
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +10,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
-    /// The paper's: no advice, and what flies is the last policy as it was trained.
+    /// The paper's: its observation, its reward, no advice, and what flies is the last policy as it was trained.
     Paper,
     /// Covey's defaults.
     Shipped,
@@ -51,8 +52,12 @@ impl Kind {
     pub fn settings(self) -> Settings {
         match self {
             Self::Paper => Settings {
+                observation: ObservationForm::Cells,
                 uavs: 20,
+                uavs_spread: 0,
                 episodes: 6000,
+                gamma: 0.97,
+                overlap_cost: 0.0,
                 teacher: 0.0,
                 averaging: 0.0,
                 temperature: 1.0,
