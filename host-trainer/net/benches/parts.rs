@@ -17,8 +17,8 @@ fn environment(c: &mut Criterion) {
         group.throughput(Throughput::Elements(environment.agent_steps()));
         group.bench_function(format!("environment, {} UAVs", 20 * k * k), |b| b.iter(|| environment.episode()));
     }
-    let file = include_bytes!("../../../firmware-core/tests/data/sample-gcn.actor");
-    let mut flight = Flight::new(&large(1), Actor::load(file).expect("a sound actor file"));
+    let file = work::actor_file();
+    let mut flight = Flight::new(&large(1), Actor::load(&file).expect("a sound actor file"));
     group.throughput(Throughput::Elements(flight.agent_steps()));
     group.bench_function("flown by the int8 actor, 20 UAVs", |b| b.iter(|| flight.episode()));
 }

@@ -48,9 +48,9 @@ fn run(part: &str) -> Option<u64> {
         counted(&mut || environment.episode());
         environment.agent_steps()
     };
-    let file = include_bytes!("../../../firmware-core/tests/data/sample-gcn.actor");
+    let file = work::actor_file();
     let flight = |k| {
-        let mut flight = Flight::new(&large(k), Actor::load(file).expect("a sound actor file"));
+        let mut flight = Flight::new(&large(k), Actor::load(&file).expect("a sound actor file"));
         flight.episode();
         counted(&mut || flight.episode());
         flight.agent_steps()

@@ -1,5 +1,8 @@
 //! Fixed work of the sizes that training has, for clocks and for counting instructions.
 
+#[path = "../../../../firmware-core/tests/common/mod.rs"]
+mod sample;
+
 use covey_env::baselines::Centroid;
 use covey_env::{ActorPolicy, Links, Observer, Policy, Scenario, World};
 use covey_net::{
@@ -12,6 +15,14 @@ use firmware_core::observation::{LEN, Observation};
 
 /// UAVs in a world.
 pub const UAVS: usize = 20;
+/// The default widths.
+const WIDTHS: Dimensions =
+    Dimensions { observation: LEN as u16, hidden: 128, feature: 64, head: 64, actions: ACTIONS as u16 };
+
+/// An actor file of the default widths with made-up weights, GCN.
+pub fn actor_file() -> Vec<u8> {
+    sample::actor_of(WIDTHS, Aggregation::Gcn, 1)
+}
 
 /// The default world k² times, with as many UAVs and PoIs to the area and shorter flights.
 pub fn large(k: usize) -> Scenario {
@@ -112,8 +123,7 @@ pub struct Networks {
 impl Networks {
     /// Sees `world_steps` states, from the beginnings and ends of flights.
     pub fn new(aggregation: Aggregation, world_steps: usize) -> Self {
-        let d = Dimensions { observation: LEN as u16, hidden: 128, feature: 64, head: 64, actions: ACTIONS as u16 };
-        let layouts = [Layout::actor(d, aggregation), Layout::critic(d)];
+        let layouts = [Layout::actor(WIDTHS, aggregation), Layout::critic(WIDTHS)];
         let (mut actor, mut critic) = (ActorNet::new(&layouts[0], aggregation), CriticNet::new(&layouts[1]));
         actor.load(&parameters(&layouts[0]));
         critic.load(&parameters(&layouts[1]));
@@ -135,7 +145,7 @@ impl Networks {
 
     /// Samples of a pass.
     pub fn pass(&self) -> u64 {
-        self.inputs.rows().rows() as u64
+        self.inputs.links().len() as u64
     }
 
     /// Samples of a minibatch.
