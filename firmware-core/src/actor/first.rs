@@ -175,7 +175,7 @@ impl Flown for Cells {
     }
 
     fn draw(random: &mut Xoshiro128PlusPlus) -> Self {
-        let mut below = |n: usize| (u64::from(random.next_u32()) * n as u64 >> 32) as usize;
+        let mut below = |n: usize| ((u64::from(random.next_u32()) * n as u64) >> 32) as usize;
         let velocity = [below(255), below(255)].map(|v| (v as i32 - 127) as i8);
         let count = below(MAX_ACTIVE + 1);
         // Past the two velocities.
