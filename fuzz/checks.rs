@@ -3,11 +3,12 @@
 
 use firmware_core::action::ACTIONS;
 use firmware_core::actor::file::{Body, HEADER};
-use firmware_core::actor::{Actor, MAX_FEATURE, NeighbourFeature, argmax, sample};
+use firmware_core::actor::{Actor, CellsActor, Flown, FormActor, MAX_FEATURE, NeighbourFeature, argmax, sample};
 use firmware_core::geometry::Vec2;
 use firmware_core::link::{MAX_REQUEST, Request, Server, Setup, frame_len, seal};
 use firmware_core::message::{MAX_LEN, Message};
 use firmware_core::neighbour_table::{Moment, NeighbourTable, Policy};
+use firmware_core::observation::cells::{Cells, MAX_ACTIVE};
 use firmware_core::observation::{LEN, MAX_NEIGHBOURS, Neighbours};
 use serde::ser::{Serialize, SerializeTuple, Serializer};
 use std::cell::RefCell;
@@ -17,24 +18,30 @@ use std::cell::RefCell;
 /// Checksum and content hash stop nearly every change, so the body is also taken by itself
 /// and stored anew with fitting ones.
 pub fn actor_file(data: &[u8]) {
-    if let Ok(actor) = Actor::load(data) {
-        fly(&actor);
-    }
+    fly_either_form(data);
     let Some(body) = data.get(HEADER..) else { return };
     let Ok((body, _)) = postcard::take_from_bytes::<Body<'_>>(body) else { return };
     let mut file = vec![0; data.len() + 64];
     let Ok(n) = body.store(&mut file) else { return };
-    if let Ok(actor) = Actor::load(&file[..n]) {
-        fly(&actor);
+    fly_either_form(&file[..n]);
+}
+
+fn fly_either_form(file: &[u8]) {
+    let fills = [-127, 0, 127];
+    if let Ok(actor) = Actor::load(file) {
+        fly(&actor, fills.map(|fill: i8| [fill; LEN]));
+    }
+    if let Ok(actor) = CellsActor::load(file) {
+        fly(&actor, fills.map(|fill: i8| Cells::new([fill; 2], [fill.unsigned_abs().into(); MAX_ACTIVE])));
     }
 }
 
 /// Takes an actor to its extremes. Sums that overflow would panic here.
-fn fly(actor: &Actor<'_>) {
+fn fly<O: Flown>(actor: &FormActor<'_, O>, observations: [O; 3]) {
     let _ = actor.self_test();
     let width = usize::from(actor.dimensions().feature);
-    for fill in [-127, 0, 127] {
-        let own = actor.encode(&[fill; LEN]);
+    for observation in observations {
+        let own = actor.encode(&observation);
         assert!(own.values.iter().all(|&v| v >= 0));
         for (value, attended) in [(-128, i16::MIN), (127, i16::MAX)] {
             let values = [value; MAX_FEATURE];

@@ -1,11 +1,13 @@
 //! The end of a run: quantise, measure, write the actor file.
 
+use crate::any_actor::AnyActor;
 use crate::float_actor::FloatActor;
 use crate::measure::{EvalRow, Subject, Trial, agreement};
 use crate::quantise::{QuantiseError, quantise, with_provenance};
 use crate::settings::{Settings, law_name};
 use crate::train::State;
-use firmware_core::actor::{Actor, Mode, Provenance};
+use crate::with_actor;
+use firmware_core::actor::{Mode, Provenance};
 use serde::{Deserialize, Serialize};
 
 /// Worlds on which int8 and float decisions are compared: 50 of 20 UAVs and 100 steps
@@ -63,11 +65,11 @@ pub fn actor_file(s: &Settings, state: &State) -> Result<Finished, QuantiseError
     // Calibration worlds are neither training nor held-out ones.
     let file = quantise(&float, &s.world(), s.seed ^ 0x6361_6c69, s.calibration_worlds, provenance)?;
     let trial = trial(s);
-    let actor = Actor::load(&file)?;
-    let int8 = Subject::Int8(&actor).measure(&format!("{} int8", s.graph.0.name()), &trial)?;
+    let actor = AnyActor::load(&file)?;
+    let int8 = Subject::of(&actor).measure(&format!("{} int8", s.graph.0.name()), &trial)?;
     let by_float = Subject::Float(&float).measure(&format!("{} float", s.graph.0.name()), &trial)?;
     let compared = Trial { worlds: trial.worlds.min(AGREEMENT_WORLDS), ..trial.clone() };
-    let (agreeing, decisions) = agreement(&actor, &float, &compared)?;
+    let (agreeing, decisions) = with_actor!(actor, actor => agreement(actor, &float, &compared))?;
     let share = |c: f64| (c * 10_000.0).round() as u16;
     let provenance = Provenance {
         worlds: trial.worlds,

@@ -1,5 +1,6 @@
 //! Trains Covey's policy, quantises it and measures it.
 
+pub mod any_actor;
 pub mod cli;
 pub mod commands;
 pub mod experiments;

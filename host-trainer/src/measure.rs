@@ -1,5 +1,6 @@
 //! Policies on held-out worlds: the rows that `eval` prints and reports show.
 
+use crate::any_actor::AnyActor;
 use crate::cli::PolicyArg;
 use crate::float_actor::{FloatActor, FloatPolicy, argmax};
 use crate::over_link::LinkRow;
@@ -9,7 +10,7 @@ use covey_env::oracles::{FlyToSites, evaluate_parked};
 use covey_env::policy_seed;
 use covey_env::{ActorPolicy, Evaluation, Policy, Scenario, ScenarioError, World, evaluate};
 use firmware_core::action::Action;
-use firmware_core::actor::{Actor, Mode, argmax as int8_argmax};
+use firmware_core::actor::{Actor, CellsActor, Flown, FormActor, Mode, argmax as int8_argmax};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -17,6 +18,8 @@ use serde::{Deserialize, Serialize};
 pub enum Subject<'a> {
     /// The on-board actor.
     Int8(&'a Actor<'a>),
+    /// The on-board actor that observes cells.
+    Int8Cells(&'a CellsActor<'a>),
     /// The trained network in floats.
     Float(&'a FloatActor),
     /// A hand-written policy or an oracle.
@@ -143,7 +146,16 @@ impl PolicyArg {
     }
 }
 
-impl Subject<'_> {
+impl<'a> Subject<'a> {
+    /// The on-board actor of either form.
+    #[must_use]
+    pub const fn of(actor: &'a AnyActor<'a>) -> Self {
+        match actor {
+            AnyActor::Compact(actor) => Self::Int8(actor),
+            AnyActor::Cells(actor) => Self::Int8Cells(actor),
+        }
+    }
+
     fn decide(&self, mode: Mode) -> &'static str {
         match self {
             Self::Written(_) => "rule",
@@ -177,6 +189,7 @@ impl Subject<'_> {
     fn policy(&self, trial: &Trial, index: u64) -> Box<dyn Policy + '_> {
         match self {
             Self::Int8(actor) => Box::new(ActorPolicy::new(**actor, policy_seed(trial.seed, index), trial.mode)),
+            Self::Int8Cells(actor) => Box::new(ActorPolicy::new(**actor, policy_seed(trial.seed, index), trial.mode)),
             Self::Written(PolicyArg::Random) => Box::new(Random::new(trial.seed, index)),
             Self::Written(PolicyArg::Greedy) => Box::new(Greedy::new()),
             Self::Written(PolicyArg::Centroid) => Box::new(Centroid::new(trial.seed, index)),
@@ -194,7 +207,11 @@ impl Subject<'_> {
 ///
 /// # Errors
 /// When the scenario cannot be built.
-pub fn agreement(int8: &Actor<'_>, float: &FloatActor, trial: &Trial) -> Result<(u64, u64), ScenarioError> {
+pub fn agreement<O: Flown>(
+    int8: &FormActor<'_, O>,
+    float: &FloatActor,
+    trial: &Trial,
+) -> Result<(u64, u64), ScenarioError> {
     let fresh = World::new(&trial.scenario)?;
     let net = float.network();
     let flown = (0..u64::from(trial.worlds)).into_par_iter().map(|index| {

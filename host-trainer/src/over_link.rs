@@ -4,7 +4,7 @@ use crate::measure::{EvalRow, Trial, mode_name};
 use covey_env::Evaluation;
 use covey_env::policy_seed;
 use covey_env::radio::{LinkFigures, LinkSettings, OverLinkError, RadioPolicy, evaluate_over};
-use firmware_core::actor::Actor;
+use firmware_core::actor::{Flown, FormActor};
 use serde::{Deserialize, Serialize};
 
 /// What a link did, in a row.
@@ -59,8 +59,8 @@ impl LinkRow {
 ///
 /// # Errors
 /// When the scenario or the link cannot be.
-pub fn measure(
-    actor: &Actor<'_>,
+pub fn measure<O: Flown>(
+    actor: &FormActor<'_, O>,
     name: &str,
     trial: &Trial,
     link: &LinkSettings,

@@ -6,6 +6,7 @@ use crate::measure::EvalRow;
 use crate::run::RunFolder;
 use crate::settings::Settings;
 use crate::train::Row;
+use crate::with_actor;
 use covey_env::policy_seed;
 use covey_env::{ActorPolicy, Trace};
 use covey_report::report::{
@@ -216,8 +217,11 @@ fn episode(folder: &RunFolder, s: &Settings) -> Result<Option<Episode>> {
     let Ok(bytes) = std::fs::read(folder.actor()) else { return Ok(None) };
     let actor = load_actor(&bytes)?;
     let t = trial(s);
-    let mut policy = ActorPolicy::new(actor, policy_seed(t.seed, 0), t.mode);
-    let trace = Trace::record(&t.scenario, t.seed, 0, &mut policy).into_diagnostic()?;
+    let seed = policy_seed(t.seed, 0);
+    let trace = with_actor!(actor, actor => {
+        Trace::record(&t.scenario, t.seed, 0, &mut ActorPolicy::new(*actor, seed, t.mode))
+    })
+    .into_diagnostic()?;
     Ok(Some(to_episode(&trace, &format!("World 0 of seed {}", t.seed))))
 }
 

@@ -1,6 +1,11 @@
 //! The int8 actor against the float policy that it was made from.
 
-use firmware_core::actor::{Actor, Aggregation, Feature, Logits, NeighbourFeature, Provenance, argmax};
+use covey_env::{ObservationForm, OfSights};
+use firmware_core::actor::{
+    Actor, Aggregation, CellsActor, Feature, FormActor, LoadError, Logits, NeighbourFeature, Provenance, argmax,
+};
+use firmware_core::observation::cells::Cells;
+use firmware_core::observation::{Form, Observation};
 use host_trainer::float_actor::FloatActor;
 use host_trainer::quantise::{Situation, agreement, calibrate, quantise};
 use host_trainer::settings::{Graph, Settings};
@@ -20,9 +25,9 @@ fn trained(settings: &Settings) -> FloatActor {
 }
 
 /// The int8 logits of every UAV, each from what it would hear.
-fn int8_logits(actor: &Actor<'_>, s: &Situation) -> Vec<Logits> {
+fn int8_logits<O: OfSights>(actor: &FormActor<'_, O>, s: &Situation) -> Vec<Logits> {
     let width = usize::from(actor.dimensions().feature);
-    let features: Vec<Feature> = s.observations.iter().map(|o| actor.encode(o)).collect();
+    let features: Vec<Feature> = O::among(&s.observations).iter().map(|o| actor.encode(o)).collect();
     let degree = |i: usize| s.links[i].count + 1;
     (0..features.len())
         .map(|i| {
@@ -38,7 +43,7 @@ fn int8_logits(actor: &Actor<'_>, s: &Situation) -> Vec<Logits> {
 
 /// Agreement of the greatest logits, and how far logits lie apart: root of the mean
 /// square, over that of the float logits within a decision.
-fn compare(actor: &Actor<'_>, situations: &[Situation]) -> (f64, f64) {
+fn compare<O: OfSights>(actor: &FormActor<'_, O>, situations: &[Situation]) -> (f64, f64) {
     let (mut agreeing, mut all, mut apart, mut spread) = (0, 0, 0.0, 0.0);
     for s in situations {
         for (int8, float) in int8_logits(actor, s).iter().zip(s.logits.chunks_exact(17)) {
@@ -57,6 +62,13 @@ fn compare(actor: &Actor<'_>, situations: &[Situation]) -> (f64, f64) {
 
 /// Share of decisions in which both have the same greatest logit.
 fn check(settings: &Settings) -> f64 {
+    match settings.observation {
+        ObservationForm::Compact => check_as::<Observation>(settings),
+        ObservationForm::Cells => check_as::<Cells>(settings),
+    }
+}
+
+fn check_as<O: OfSights>(settings: &Settings) -> f64 {
     let name = settings.graph.0.name();
     let float = trained(settings);
     let scenario = settings.world();
@@ -64,7 +76,7 @@ fn check(settings: &Settings) -> f64 {
     let file = quantise(&float, &scenario, 1, settings.calibration_worlds, provenance).expect("quantised");
     let again = quantise(&float, &scenario, 1, settings.calibration_worlds, provenance).expect("quantised");
     assert!(file == again, "{name}: quantised twice, two files");
-    let actor = Actor::load(&file).expect("a sound file");
+    let actor = FormActor::<O>::load(&file).expect("a sound file");
     actor.self_test().expect("the self-test holds");
     assert_eq!((actor.aggregation(), actor.dimensions()), (float.aggregation, float.dimensions));
     assert_eq!((actor.tie_period(), actor.provenance()), (settings.tie_period, provenance));
@@ -104,6 +116,36 @@ fn small_networks_keep_their_choices_in_int8() {
     for graph in Aggregation::ALL {
         let agreeing = (1..=4).map(|seed| check(&Settings { seed, ..tiny(graph) })).sum::<f64>() / 4.0;
         assert!(agreeing >= 0.97, "{}: the greatest logits agree in {agreeing:.4} of decisions", graph.name());
+    }
+}
+
+#[test]
+fn networks_on_cells_keep_their_choices_in_int8() {
+    for graph in Aggregation::ALL {
+        let cells = Settings { observation: ObservationForm::Cells, ..tiny(graph) };
+        let agreeing = (1..=4).map(|seed| check(&Settings { seed, ..cells.clone() })).sum::<f64>() / 4.0;
+        assert!(agreeing >= 0.97, "{}: the greatest logits agree in {agreeing:.4} of decisions", graph.name());
+    }
+}
+
+/// Each form's actor refuses the other's file and says why; a damaged file flies nowhere.
+#[test]
+fn an_actor_of_another_form_is_refused() {
+    let file = |observation| {
+        let settings = Settings { observation, episodes: 16, hidden: 10, ..tiny(Aggregation::Gcn) };
+        quantise(&trained(&settings), &settings.world(), 1, 2, Provenance::default()).expect("quantised")
+    };
+    let (compact, cells) = (file(ObservationForm::Compact), file(ObservationForm::Cells));
+    let refused = Actor::load(&cells).expect_err("another form");
+    assert_eq!(refused, LoadError::Observation { found: Cells::ID, built: <Observation as Form>::ID });
+    assert!(refused.to_string().contains("wants observation form 100, this program builds form 1"), "{refused}");
+    let refused = CellsActor::load(&compact).expect_err("another form");
+    assert_eq!(refused, LoadError::Observation { found: <Observation as Form>::ID, built: Cells::ID });
+    assert!(CellsActor::load(&cells).is_ok_and(|actor| actor.self_test().is_ok()));
+    for k in (0..cells.len()).step_by(97) {
+        let mut damaged = cells.clone();
+        damaged[k] ^= 0x40;
+        assert!(CellsActor::load(&damaged).is_err() && CellsActor::load(&cells[..k]).is_err(), "byte {k}");
     }
 }
 

@@ -10,7 +10,7 @@ use rand_xoshiro::rand_core::Rng;
 /// A form of the observation that an actor can fly with.
 pub trait Flown: Form {
     /// The first layer, read in place.
-    type First<'a>: Copy + Debug;
+    type First<'a>: Copy + Debug + Send + Sync;
     /// The length, for people.
     const LEN_TEXT: &'static str;
 

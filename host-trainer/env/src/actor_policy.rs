@@ -5,26 +5,26 @@ use crate::policy::Policy;
 use crate::sight::{Links, Observer};
 use crate::world::World;
 use firmware_core::action::Action;
-use firmware_core::actor::{Actor, Feature, Logits, Mode, NeighbourFeature};
-use firmware_core::observation::{LEN, Observation};
+use firmware_core::actor::{Feature, Flown, FormActor, Logits, Mode, NeighbourFeature};
+use firmware_core::observation::Observation;
 
 /// Flies all UAVs of a world with one actor.
 #[derive(Clone, Debug)]
-pub struct ActorPolicy<'a> {
-    actor: Actor<'a>,
+pub struct ActorPolicy<'a, O: Flown = Observation> {
+    actor: FormActor<'a, O>,
     seed: u64,
     mode: Mode,
     observer: Observer,
-    observations: Vec<Observation>,
+    observations: Vec<O>,
     links: Vec<Links>,
     features: Vec<Feature>,
 }
 
-impl<'a> ActorPolicy<'a> {
+impl<'a, O: Flown> ActorPolicy<'a, O> {
     /// `seed` is the policy seed that all UAVs share; each draws from it by its id and
     /// the step.
     #[must_use]
-    pub fn new(actor: Actor<'a>, seed: u64, mode: Mode) -> Self {
+    pub fn new(actor: FormActor<'a, O>, seed: u64, mode: Mode) -> Self {
         Self {
             actor,
             seed,
@@ -39,7 +39,7 @@ impl<'a> ActorPolicy<'a> {
     /// Observes and encodes the present state of `world`.
     pub fn look(&mut self, world: &World) {
         let n = world.scenario().uavs;
-        self.observations.resize(n, [0; LEN]);
+        self.observations.resize(n, O::BLANK);
         self.links.resize(n, Links::default());
         self.observer.observe(world, &mut self.observations, &mut self.links);
         self.features.clear();
@@ -48,7 +48,7 @@ impl<'a> ActorPolicy<'a> {
 
     /// Observations of all UAVs at the last [`Self::look`].
     #[must_use]
-    pub fn observations(&self) -> &[Observation] {
+    pub fn observations(&self) -> &[O] {
         &self.observations
     }
 
@@ -99,7 +99,7 @@ pub fn heard<'f>(
     })
 }
 
-impl Policy for ActorPolicy<'_> {
+impl<O: Flown> Policy for ActorPolicy<'_, O> {
     fn act(&mut self, world: &World, actions: &mut [Action]) {
         self.look(world);
         for (i, action) in actions.iter_mut().enumerate() {

@@ -40,7 +40,7 @@ pub use metrics::EpisodeMetrics;
 pub use policy::Policy;
 pub use scenario::{Law, Scenario, ScenarioError};
 pub use sight::{Links, Observer};
-pub use sights::{ObservationForm, Sights, SightsMut, SightsRef};
+pub use sights::{ObservationForm, OfSights, Sights, SightsMut, SightsRef};
 pub use snapshot::Snapshot;
 pub use trace::{Frame, Trace};
 pub use world::{LayoutError, World};

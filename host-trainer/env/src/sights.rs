@@ -1,5 +1,6 @@
 //! Observations of either form, side by side.
 
+use firmware_core::actor::Flown;
 use firmware_core::observation::cells::Cells;
 use firmware_core::observation::{Form, Observation};
 use serde::{Deserialize, Serialize};
@@ -154,5 +155,29 @@ impl<'s> From<&'s Vec<Observation>> for SightsRef<'s> {
 impl<'s> From<&'s Sights> for SightsRef<'s> {
     fn from(all: &'s Sights) -> Self {
         all.part(0..all.len())
+    }
+}
+
+/// A form of which [`Sights`] can be.
+pub trait OfSights: Flown {
+    /// All observations; none when they are of another form.
+    fn among(sights: &Sights) -> &[Self];
+}
+
+impl OfSights for Observation {
+    fn among(sights: &Sights) -> &[Self] {
+        match sights {
+            Sights::Compact(all) => all,
+            Sights::Cells(_) => &[],
+        }
+    }
+}
+
+impl OfSights for Cells {
+    fn among(sights: &Sights) -> &[Self] {
+        match sights {
+            Sights::Cells(all) => all,
+            Sights::Compact(_) => &[],
+        }
     }
 }

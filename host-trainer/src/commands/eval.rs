@@ -3,11 +3,13 @@
 use super::boards::Emulated;
 use super::inspect::load;
 use super::{read, use_threads};
+use crate::any_actor::AnyActor;
 use crate::cli::{DecideArg, Eval};
 use crate::float_actor::FloatActor;
 use crate::measure::{BoardFigures, EvalRow, Subject, Trial, agreement, table};
 use crate::over_link;
 use crate::run::RunFolder;
+use crate::with_actor;
 use covey_env::Scenario;
 use firmware_core::actor::Mode;
 use miette::{IntoDiagnostic, Result, WrapErr, miette};
@@ -57,7 +59,11 @@ pub fn run(args: &Eval) -> Result<()> {
         match &board {
             None => rows.extend(one(args, (&bytes, &name), float.as_ref(), &trial)?),
             Some(board) => {
-                let actor = load(&bytes).wrap_err_with(|| format!("{name} cannot fly"))?;
+                let AnyActor::Compact(actor) = load(&bytes).wrap_err_with(|| format!("{name} cannot fly"))? else {
+                    return Err(miette!(
+                        "{name} observes cells, and the flight program builds the compact observation alone: leave --actor out"
+                    ));
+                };
                 let policy = format!("{} int8", actor.aggregation().name());
                 let (row, first) = board.measure(&policy, &bytes, &actor, &trial)?;
                 rows.push(row);
@@ -106,13 +112,14 @@ fn one(args: &Eval, file: (&[u8], &str), float: Option<&FloatActor>, trial: &Tri
     let name = actor.aggregation().name();
     let policy = format!("{name} int8");
     if !args.link.is_empty() {
-        let over = |link| over_link::measure(&actor, &policy, trial, link).map(|(row, _)| row);
+        let over =
+            |link| with_actor!(actor, actor => over_link::measure(actor, &policy, trial, link)).map(|(row, _)| row);
         return args.link.iter().map(over).collect::<Result<_, _>>().into_diagnostic();
     }
-    let mut rows = vec![Subject::Int8(&actor).measure(&policy, trial).into_diagnostic()?];
+    let mut rows = vec![Subject::of(&actor).measure(&policy, trial).into_diagnostic()?];
     if let Some(float) = float {
         rows.push(Subject::Float(float).measure(&format!("{name} float"), trial).into_diagnostic()?);
-        let (agreeing, all) = agreement(&actor, float, trial).into_diagnostic()?;
+        let (agreeing, all) = with_actor!(actor, actor => agreement(actor, float, trial)).into_diagnostic()?;
         eprintln!("argmax agreement {:.2} % over {all} decisions", 100.0 * agreeing as f64 / all as f64);
     }
     Ok(rows)

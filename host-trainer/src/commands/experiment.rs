@@ -5,7 +5,8 @@ use super::inspect::load;
 use super::{read, use_threads};
 use crate::cli::{Experiment, ExperimentLink};
 use crate::experiments::link::study;
-use crate::measure::Trial;
+use crate::measure::{EvalRow, Trial};
+use crate::with_actor;
 use covey_env::Scenario;
 use covey_report::atomic;
 use firmware_core::actor::Mode;
@@ -40,11 +41,11 @@ fn link(args: &ExperimentLink) -> Result<()> {
     let trial = Trial { scenario, seed: args.seed, worlds: args.worlds, mode: Mode::Sample };
     std::fs::create_dir_all(&args.out).map_err(|e| miette!("cannot make the folder {}: {e}", args.out.display()))?;
     let start = Instant::now();
-    let study = study(&actor, &trial, |row, k, all| {
+    let tell = |row: &EvalRow, k, all| {
         let link = row.link.as_ref().map_or("", |l| &l.link);
         eprintln!("{k} of {all}: {link}: coverage {:.4} ±{:.4}", row.coverage, row.coverage_se);
-    })
-    .into_diagnostic()?;
+    };
+    let study = with_actor!(actor, actor => study(actor, &trial, tell)).into_diagnostic()?;
     for (file, text) in [(PAGE, study.page(PICTURE, &command(args))), (PICTURE, study.picture().into_diagnostic()?)] {
         let path = args.out.join(file);
         atomic::write(&path, text.as_bytes()).into_diagnostic()?;

@@ -1,8 +1,10 @@
 //! `inspect`: an actor file, checked and shown.
 
 use super::read;
+use crate::any_actor::AnyActor;
 use crate::cli::Inspect;
-use firmware_core::actor::{Actor, SIGNATURE_CASES, signature};
+use crate::with_actor;
+use firmware_core::actor::{Flown, FormActor, SIGNATURE_CASES, signature};
 use miette::{Result, WrapErr, miette};
 
 /// Loads the file, runs its self-test and prints what is in it.
@@ -12,14 +14,20 @@ use miette::{Result, WrapErr, miette};
 pub fn run(args: &Inspect) -> Result<()> {
     let bytes = read(&args.file)?;
     let actor = load(&bytes).wrap_err_with(|| format!("{} cannot fly", args.file.display()))?;
+    println!("{}: a sound actor, {} bytes", args.file.display(), bytes.len());
+    with_actor!(actor, actor => show(actor));
+    Ok(())
+}
+
+fn show<O: Flown>(actor: &FormActor<'_, O>) {
     let (d, p) = (actor.dimensions(), actor.provenance());
     let share = |c: u16| f64::from(c) / 10_000.0;
-    println!("{}: a sound actor, {} bytes", args.file.display(), bytes.len());
+    println!("  observation    form {}", O::ID);
     println!("  aggregation    {}", actor.aggregation().name());
     println!("  widths         {} → {} → {} → {} → {}", d.observation, d.hidden, d.feature, d.head, d.actions);
     println!("  tie-breakers   drawn anew every {} step(s)", actor.tie_period());
     println!("  content hash   {:016x} (in messages {:08x})", actor.content_hash(), actor.message_hash());
-    println!("  signature      {:016x}", signature(&actor, SIGNATURE_CASES));
+    println!("  signature      {:016x}", signature(actor, SIGNATURE_CASES));
     println!("  self-test      passed");
     println!(
         "  trained by     {} on {}, {} UAVs, seed {}, {} episodes",
@@ -33,15 +41,14 @@ pub fn run(args: &Inspect) -> Result<()> {
             p.worlds
         );
     }
-    Ok(())
 }
 
 /// A sound actor that passes its self-test.
 ///
 /// # Errors
 /// What is wrong with it.
-pub fn load(bytes: &[u8]) -> Result<Actor<'_>> {
-    let actor = Actor::load(bytes).map_err(|e| miette!("{e}"))?;
+pub fn load(bytes: &[u8]) -> Result<AnyActor<'_>> {
+    let actor = AnyActor::load(bytes).map_err(|e| miette!("{e}"))?;
     actor.self_test().map_err(|e| miette!("{e}"))?;
     Ok(actor)
 }

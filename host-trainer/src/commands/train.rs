@@ -3,13 +3,11 @@
 use super::{apply, cores, use_threads};
 use crate::cli::{PolicyArg, Train};
 use crate::finish::{EvaluationFile, Finished, actor_file, trial};
-use crate::float_actor::FloatActor;
 use crate::measure::{EvalRow, Subject, table};
 use crate::report_page;
 use crate::run::{Checkpoint, RunFolder};
 use crate::settings::{Graph, Settings};
 use crate::train::{Row, Trainer, Workers};
-use covey_env::ObservationForm;
 use covey_report::atomic;
 use covey_report::metrics::MetricsLog;
 use covey_report::progress::{Mode, Progress, Status};
@@ -200,9 +198,6 @@ impl Session {
     /// Quantises, measures against the baselines, writes actor file and report.
     pub(super) fn finish(mut self) -> Result<()> {
         let s = self.trainer.settings().clone();
-        if s.observation == ObservationForm::Cells {
-            return self.finish_float(&s);
-        }
         self.say(&format!("quantising, and measuring on {} held-out worlds", s.eval_worlds));
         let done = actor_file(&s, self.trainer.state()).into_diagnostic()?;
         atomic::write(self.folder.actor(), &done.file).into_diagnostic()?;
@@ -229,34 +224,11 @@ impl Session {
     }
 }
 
-impl Session {
-    /// Measures the float policy alone: there is no int8 actor of this form yet.
-    fn finish_float(&mut self, s: &Settings) -> Result<()> {
-        self.say(&format!("measuring on {} held-out worlds", s.eval_worlds));
-        let float = FloatActor::new(s, self.trainer.state().average.clone());
-        let mut rows =
-            vec![Subject::Float(&float).measure(&format!("{} float", s.graph.0.name()), &trial(s)).into_diagnostic()?];
-        rows.extend(baselines(s)?);
-        let file = EvaluationFile { rows: rows.clone(), argmax_agreement: 1.0, decisions_compared: 0 };
-        let json = serde_json::to_string_pretty(&file).into_diagnostic()?;
-        atomic::write(self.folder.evaluation(), json.as_bytes()).into_diagnostic()?;
-        let page = report_page::write(&self.folder)?;
-        if !self.quiet {
-            println!("{}", table(&rows));
-            println!("report      {}", page.display());
-        }
-        Ok(())
-    }
-}
-
 /// Trained policies and baselines on the same worlds.
 fn rows(s: &Settings, done: &Finished) -> Result<Vec<EvalRow>> {
     let mut rows = vec![done.int8.clone(), done.float.clone()];
-    rows.extend(baselines(s)?);
+    for policy in [PolicyArg::Centroid, PolicyArg::Greedy, PolicyArg::Hover, PolicyArg::Random] {
+        rows.push(Subject::Written(policy).measure(policy.name(), &trial(s)).into_diagnostic()?);
+    }
     Ok(rows)
-}
-
-fn baselines(s: &Settings) -> Result<Vec<EvalRow>> {
-    let all = [PolicyArg::Centroid, PolicyArg::Greedy, PolicyArg::Hover, PolicyArg::Random];
-    all.into_iter().map(|p| Subject::Written(p).measure(p.name(), &trial(s)).into_diagnostic()).collect()
 }

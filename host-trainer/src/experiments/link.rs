@@ -6,7 +6,7 @@ use crate::settings::law_name;
 use covey_env::Evaluation;
 use covey_env::radio::{LinkSettings, OverLinkError};
 use covey_report::report::{Chart, Reference, ReportError, Series, chart_svg};
-use firmware_core::actor::Actor;
+use firmware_core::actor::{Flown, FormActor};
 use firmware_core::neighbour_table::DEFAULT_STEP_MS;
 use std::fmt::Write;
 
@@ -69,8 +69,8 @@ fn links() -> Vec<LinkSettings> {
 ///
 /// # Errors
 /// When the scenario cannot be built or has too many UAVs.
-pub fn study(
-    actor: &Actor<'_>,
+pub fn study<O: Flown>(
+    actor: &FormActor<'_, O>,
     trial: &Trial,
     mut watch: impl FnMut(&EvalRow, usize, usize),
 ) -> Result<LinkStudy, OverLinkError> {

@@ -54,6 +54,16 @@ fn multiplier(factor: f64) -> Option<i32> {
     (m >= 0.0 && m <= f64::from(i32::MAX)).then_some(m as i32)
 }
 
+/// How weights lie in the file.
+#[derive(Clone, Copy)]
+pub enum Order {
+    /// Packed in pairs of rows, as the kernel takes them.
+    RowPairs,
+    /// Column by column, each padded with zeros to whole eights of rows: of a layer whose inputs
+    /// are mostly zero.
+    Columns,
+}
+
 /// What a row's sum becomes.
 pub enum Output<'s> {
     /// int8 with these scales; a scale that no multiplier reaches is made larger.
@@ -68,7 +78,21 @@ impl Blobs {
     /// # Errors
     /// [`QuantiseError`] when a weight is not finite or a wide output's multiplier does
     /// not fit.
-    pub fn push(&mut self, layer: &FloatLayer, inputs: &[f64], mut output: Output<'_>) -> Result<(), QuantiseError> {
+    pub fn push(&mut self, layer: &FloatLayer, inputs: &[f64], output: Output<'_>) -> Result<(), QuantiseError> {
+        self.push_in(Order::RowPairs, layer, inputs, output)
+    }
+
+    /// As [`Self::push`], with its weights in this order.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn push_in(
+        &mut self,
+        order: Order,
+        layer: &FloatLayer,
+        inputs: &[f64],
+        mut output: Output<'_>,
+    ) -> Result<(), QuantiseError> {
         let (rows, columns) = (layer.weights.len(), inputs.len());
         let (mut quantised, mut biases, mut multipliers) = (Vec::new(), Vec::new(), Vec::new());
         for (r, (row, &bias)) in layer.weights.iter().zip(&layer.biases).enumerate() {
@@ -91,10 +115,16 @@ impl Blobs {
             biases.push((bias / scale).round() as i32);
             multipliers.push(m);
         }
-        for p in 0..rows.div_ceil(2) {
-            for c in 0..columns + columns % 2 {
-                let weight = |r: usize| quantised.get(r).and_then(|q| q.get(c)).copied().unwrap_or(0);
-                self.weights.extend(pack(weight(2 * p), weight(2 * p + 1)));
+        let weight = |r: usize, c: usize| quantised.get(r).and_then(|q| q.get(c)).copied().unwrap_or(0);
+        match order {
+            Order::RowPairs => {
+                let places = (0..rows.div_ceil(2)).flat_map(|p| (0..columns + columns % 2).map(move |c| (p, c)));
+                self.weights.extend(places.flat_map(|(p, c)| pack(weight(2 * p, c), weight(2 * p + 1, c))));
+            }
+            Order::Columns => {
+                let padded = rows.next_multiple_of(8);
+                let places = (0..columns).flat_map(|c| (0..padded).map(move |r| (r, c)));
+                self.weights.extend(places.map(|(r, c)| weight(r, c) as u8));
             }
         }
         self.tables.extend(biases.into_iter().chain(multipliers).flat_map(i32::to_le_bytes));

@@ -5,14 +5,16 @@ mod layers;
 
 pub use calibrate::{Ranges, Situation, calibrate};
 
+use crate::any_actor::AnyActor;
 use crate::float_actor::FloatActor;
-use covey_env::{Scenario, ScenarioError, Sights, heard};
+use covey_env::{ObservationForm, OfSights, Scenario, ScenarioError, heard};
 use firmware_core::actor::file::{Body, HEADER, StoreError, TRAILER};
 use firmware_core::actor::{
-    Actor, Aggregation, Feature, LoadError, Provenance, SELF_TESTS, SelfTestError, argmax, write_self_test,
+    Aggregation, Feature, FormActor, LoadError, Provenance, SELF_TESTS, SelfTestError, argmax, write_self_test,
 };
-use firmware_core::observation::{self, Observation};
-use layers::{Blobs, FloatLayer, Output};
+use firmware_core::observation::Observation;
+use firmware_core::observation::cells::Cells;
+use layers::{Blobs, FloatLayer, Order, Output};
 use thiserror::Error;
 
 /// Why a policy could not be quantised.
@@ -65,17 +67,30 @@ pub fn quantise(
     worlds: u32,
     provenance: Provenance<'_>,
 ) -> Result<Vec<u8>, QuantiseError> {
+    match actor.observation {
+        ObservationForm::Compact => quantise_as::<Observation>(actor, scenario, seed, worlds, provenance),
+        ObservationForm::Cells => quantise_as::<Cells>(actor, scenario, seed, worlds, provenance),
+    }
+}
+
+fn quantise_as<O: OfSights>(
+    actor: &FloatActor,
+    scenario: &Scenario,
+    seed: u64,
+    worlds: u32,
+    provenance: Provenance<'_>,
+) -> Result<Vec<u8>, QuantiseError> {
     let (ranges, situations) = calibrate(actor, scenario, seed, worlds)?;
     let mut best: Option<(usize, Vec<u8>)> = None;
     for own in OWN_RANGE {
-        let file = compose(actor, &ranges, own, &situations, provenance)?;
-        let agreeing = agreement(&Actor::load(&file)?, &situations).0;
+        let file = compose::<O>(actor, &ranges, own, &situations, provenance)?;
+        let agreeing = agreement(&FormActor::<O>::load(&file)?, &situations).0;
         if best.as_ref().is_none_or(|(most, _)| agreeing > *most) {
             best = Some((agreeing, file));
         }
     }
     let (_, file) = best.unwrap_or_default();
-    Actor::load(&file)?.self_test()?;
+    FormActor::<O>::load(&file)?.self_test()?;
     Ok(file)
 }
 
@@ -85,7 +100,7 @@ pub fn quantise(
 /// When `file` is no sound actor file.
 pub fn with_provenance(file: &[u8], provenance: Provenance<'_>) -> Result<Vec<u8>, QuantiseError> {
     let body = file.get(HEADER..file.len().saturating_sub(TRAILER)).unwrap_or(&[]);
-    Actor::load(file)?;
+    AnyActor::load(file)?;
     let body: Body<'_> = postcard::from_bytes(body).map_err(|_| LoadError::Malformed)?;
     store(&Body { provenance, ..body })
 }
@@ -105,7 +120,7 @@ fn scales(ranges: &[f32], own: f64) -> Vec<f64> {
     ranges.iter().map(|&r| top * (f64::from(r).max(top * 1e-3) / top).powf(own) / 127.0).collect()
 }
 
-fn compose(
+fn compose<O: OfSights>(
     actor: &FloatActor,
     ranges: &Ranges,
     own: f64,
@@ -115,9 +130,14 @@ fn compose(
     let p = |name| actor.layout.piece(&actor.values, name);
     let layer = |name, weights, biases| FloatLayer::from_columns(name, p(weights), p(biases));
     let mut blobs = Blobs::default();
-    let input = vec![1.0 / 127.0; observation::LEN];
+    let input = vec![1.0 / 127.0; O::LEN];
+    let order = match actor.observation {
+        ObservationForm::Compact => Order::RowPairs,
+        ObservationForm::Cells => Order::Columns,
+    };
     let mut hidden = scales(&ranges.hidden, own);
-    blobs.push(&layer("first encoder", "encoder1", "encoder1 bias"), &input, Output::Int8(&mut hidden))?;
+    let first = layer("first encoder", "encoder1", "encoder1 bias");
+    blobs.push_in(order, &first, &input, Output::Int8(&mut hidden))?;
     let mut feature = scales(&ranges.feature, own);
     blobs.push(&layer("second encoder", "encoder2", "encoder2 bias"), &hidden, Output::Int8(&mut feature))?;
     let mut aggregate_multiplier = 0;
@@ -145,7 +165,7 @@ fn compose(
         align: &[],
         weights: &blobs.weights,
         tables: &blobs.tables,
-        observation: observation::ID,
+        observation: O::ID,
         aggregation: actor.aggregation,
         dimensions: actor.dimensions,
         tie_period: actor.tie_period,
@@ -154,7 +174,7 @@ fn compose(
         self_tests: &[],
         content_hash: 0,
     };
-    with_self_tests(&body, situations)
+    with_self_tests::<O>(&body, situations)
 }
 
 /// The two halves of the score, `W a₁` and `W a₂`, as a layer of two rows.
@@ -172,25 +192,17 @@ fn attention(actor: &FloatActor) -> FloatLayer {
 }
 
 /// The logits of UAV `i` of a situation whose UAVs have these features.
-fn int8_logits(actor: &Actor<'_>, features: &[Feature], s: &Situation, i: usize) -> [i16; 17] {
+fn int8_logits<O: OfSights>(actor: &FormActor<'_, O>, features: &[Feature], s: &Situation, i: usize) -> [i16; 17] {
     let width = usize::from(actor.dimensions().feature);
     actor.logits(&features[i], s.links[i].count + 1, heard(features, width, &s.links, i))
 }
 
-/// What the UAVs saw in the compact form.
-fn compact(s: &Situation) -> &[Observation] {
-    match &s.observations {
-        Sights::Compact(all) => all,
-        Sights::Cells(_) => &[],
-    }
-}
-
 /// Decisions in which the int8 actor's greatest logit is the float policy's, and all.
 #[must_use]
-pub fn agreement(actor: &Actor<'_>, situations: &[Situation]) -> (usize, usize) {
+pub fn agreement<O: OfSights>(actor: &FormActor<'_, O>, situations: &[Situation]) -> (usize, usize) {
     let (mut agreeing, mut all) = (0, 0);
     for s in situations {
-        let features: Vec<Feature> = compact(s).iter().map(|o| actor.encode(o)).collect();
+        let features: Vec<Feature> = O::among(&s.observations).iter().map(|o| actor.encode(o)).collect();
         for (i, row) in s.logits.chunks_exact(17).enumerate() {
             let own = argmax(&int8_logits(actor, &features, s, i));
             agreeing += usize::from(own == crate::float_actor::argmax(row));
@@ -201,9 +213,9 @@ pub fn agreement(actor: &Actor<'_>, situations: &[Situation]) -> (usize, usize) 
 }
 
 /// The file with self-tests of situations spread over the calibration.
-fn with_self_tests(body: &Body<'_>, situations: &[Situation]) -> Result<Vec<u8>, QuantiseError> {
+fn with_self_tests<O: OfSights>(body: &Body<'_>, situations: &[Situation]) -> Result<Vec<u8>, QuantiseError> {
     let width = usize::from(body.dimensions.feature);
-    let vectors = |actor: Option<&Actor<'_>>| {
+    let vectors = |actor: Option<&FormActor<'_, O>>| {
         let mut bytes = Vec::new();
         for k in 0..SELF_TESTS {
             let s = &situations[(2 * k + 1) * situations.len() / (2 * SELF_TESTS)];
@@ -211,11 +223,13 @@ fn with_self_tests(body: &Body<'_>, situations: &[Situation]) -> Result<Vec<u8>,
             let most = |&i: &usize| s.links[i].count;
             let i = if k % 2 == 0 { k % s.links.len() } else { (0..s.links.len()).max_by_key(most).unwrap_or(0) };
             let blank = Feature { values: [0; 64], attending: 0, attended: 0 };
-            let features: Vec<Feature> = compact(s).iter().map(|o| actor.map_or(blank, |a| a.encode(o))).collect();
+            let features: Vec<Feature> =
+                O::among(&s.observations).iter().map(|o| actor.map_or(blank, |a| a.encode(o))).collect();
             let logits = actor.map_or([0; 17], |a| int8_logits(a, &features, s, i));
             let neighbours: Vec<_> = heard(&features, width, &s.links, i).collect();
             let mut buffer = [0; 2048];
-            let n = write_self_test(&mut buffer, &compact(s)[i], s.links[i].count + 1, &neighbours, &logits);
+            let n =
+                write_self_test(&mut buffer, &O::among(&s.observations)[i], s.links[i].count + 1, &neighbours, &logits);
             bytes.extend(&buffer[..n.unwrap_or(0)]);
         }
         bytes
@@ -223,6 +237,6 @@ fn with_self_tests(body: &Body<'_>, situations: &[Situation]) -> Result<Vec<u8>,
     // Logits do not depend on the vectors: compute them with blank ones first.
     let blank = vectors(None);
     let draft = store(&Body { self_tests: &blank, ..*body })?;
-    let tests = vectors(Some(&Actor::load(&draft)?));
+    let tests = vectors(Some(&FormActor::load(&draft)?));
     store(&Body { self_tests: &tests, ..*body })
 }

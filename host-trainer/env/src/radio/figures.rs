@@ -6,6 +6,7 @@ use super::settings::LinkError;
 use crate::evaluate::{Evaluation, fly};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::world::World;
+use firmware_core::actor::Flown;
 use firmware_core::neighbour_table::Answer;
 use firmware_core::observation::MAX_NEIGHBOURS;
 use rayon::prelude::*;
@@ -89,11 +90,11 @@ pub enum OverLinkError {
 ///
 /// # Errors
 /// When the scenario is not valid or the policy made for another number of UAVs.
-pub fn evaluate_over(
+pub fn evaluate_over<O: Flown>(
     scenario: &Scenario,
     seed: u64,
     worlds: u64,
-    policy: &RadioPolicy<'_>,
+    policy: &RadioPolicy<'_, O>,
     policy_seed: impl Fn(u64) -> u64 + Sync,
 ) -> Result<(Evaluation, LinkFigures), OverLinkError> {
     let fresh = World::new(scenario)?;

@@ -7,10 +7,10 @@ use super::swarm::Swarm;
 use crate::policy::Policy;
 use crate::world::World;
 use firmware_core::action::Action;
-use firmware_core::actor::{Actor, Feature, Logits, Mode};
+use firmware_core::actor::{Feature, Flown, FormActor, Logits, Mode};
 use firmware_core::message;
 use firmware_core::neighbour_table::Policy as TablePolicy;
-use firmware_core::observation::{LEN, Neighbours, Observation};
+use firmware_core::observation::{Neighbours, Observation};
 
 /// Flies all UAVs of a world with one actor, over a link.
 ///
@@ -23,24 +23,30 @@ use firmware_core::observation::{LEN, Neighbours, Observation};
 ///
 /// Over a perfect link that reaches 34 u or farther it is [`crate::ActorPolicy`], to the bit.
 #[derive(Clone, Debug)]
-pub struct RadioPolicy<'a> {
-    actor: Actor<'a>,
+pub struct RadioPolicy<'a, O: Flown = Observation> {
+    actor: FormActor<'a, O>,
     seed: u64,
     mode: Mode,
     swarm: Swarm,
-    observations: Vec<Observation>,
+    observations: Vec<O>,
     features: Vec<Feature>,
 }
 
-impl<'a> RadioPolicy<'a> {
+impl<'a, O: Flown> RadioPolicy<'a, O> {
     /// `seed` is the policy seed that all UAVs share; the link's draws come from it too.
     ///
     /// # Errors
     /// Settings that cannot be, or more UAVs than a link has nodes.
-    pub fn new(actor: Actor<'a>, seed: u64, mode: Mode, link: &LinkSettings, uavs: usize) -> Result<Self, LinkError> {
+    pub fn new(
+        actor: FormActor<'a, O>,
+        seed: u64,
+        mode: Mode,
+        link: &LinkSettings,
+        uavs: usize,
+    ) -> Result<Self, LinkError> {
         let mut swarm = Swarm::new(link, uavs, TablePolicy::of(&actor))?;
         swarm.begin(seed);
-        let observations = vec![[0; LEN]; uavs];
+        let observations = vec![O::BLANK; uavs];
         let features = observations.iter().map(|o| actor.encode(o)).collect();
         Ok(Self { actor, seed, mode, swarm, observations, features })
     }
@@ -66,7 +72,7 @@ impl<'a> RadioPolicy<'a> {
 
     /// Observations of all UAVs at the last [`Self::look`].
     #[must_use]
-    pub fn observations(&self) -> &[Observation] {
+    pub fn observations(&self) -> &[O] {
         &self.observations
     }
 
@@ -109,7 +115,7 @@ impl<'a> RadioPolicy<'a> {
     }
 }
 
-impl Policy for RadioPolicy<'_> {
+impl<O: Flown> Policy for RadioPolicy<'_, O> {
     fn begin(&mut self, _: &World) {
         self.swarm.begin(self.seed);
     }

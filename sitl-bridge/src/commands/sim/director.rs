@@ -23,8 +23,8 @@ const LEAD_MS: i64 = 10_000;
 const STALLED: Duration = Duration::from_secs(20);
 
 /// Leads a flight from the ground to its last step.
-pub(super) struct Director<'s> {
-    sim: &'s Simulation<'s>,
+pub(super) struct Director<'s, 'a> {
+    sim: &'s Simulation<'a>,
     world: &'s World,
     step_ms: i64,
     fleet: Fleet,
@@ -42,9 +42,9 @@ pub(super) struct Director<'s> {
     view: View,
 }
 
-impl<'s> Director<'s> {
+impl<'s, 'a> Director<'s, 'a> {
     pub(super) fn new(
-        sim: &'s Simulation<'s>,
+        sim: &'s Simulation<'a>,
         world: &'s World,
         mission: &Mission,
         fleet: Fleet,
