@@ -152,8 +152,8 @@ settings! {
     uavs: u16 = 20, "1 to 10000", |v| (1..=10_000).contains(v);
     /// How far the number of UAVs varies in training: in every second shard each round draws
     /// its own, from `uavs` less this (at least 1) to `uavs` plus this. The curves are those of
-    /// the worlds with `uavs`.
-    uavs_spread: u16 = 0, "0 to 1000", |v| (0..=1_000).contains(v);
+    /// the worlds with `uavs`. With one shard it is of no effect.
+    uavs_spread: u16 = 15, "0 to 1000", |v| (0..=1_000).contains(v);
     /// Points of interest in a world.
     pois: u16 = 120, "1 to 60000", |v| (1..=60_000).contains(v);
     /// Law of the PoIs: "clustered" or "uniform".
@@ -185,7 +185,7 @@ settings! {
     /// Seed of everything random in the run.
     seed: u64 = 10, "0 to 9223372036854775807", |v| i64::try_from(*v).is_ok();
     /// Training episodes, at most: whole rounds of `worlds`, at least one.
-    episodes: u32 = 3072, "1 to 100000000", |v| (1..=100_000_000).contains(v);
+    episodes: u32 = 6016, "1 to 100000000", |v| (1..=100_000_000).contains(v);
     /// Worlds that run side by side: one round is an episode of each.
     worlds: u32 = 64, "1 to 65536", |v| (1..=65_536).contains(v);
     /// Steps between updates; must divide `steps`.
@@ -200,10 +200,10 @@ settings! {
     /// Adam's learning rate at the start.
     learning_rate: f64 = 8e-4, "above 0, at most 1", |v| *v > 0.0 && *v <= 1.0;
     /// Share of the learning rate that is left at the end (it falls linearly).
-    learning_rate_end: f64 = 0.1, "0 to 1", |v| (0.0..=1.0).contains(v);
+    learning_rate_end: f64 = 0.02, "0 to 1", |v| (0.0..=1.0).contains(v);
     /// Discount of future reward, per step. 1 with `lambda` 1 and `segment` = `steps` is
     /// the paper's return.
-    gamma: f64 = 0.97, "0 to 1", |v| (0.0..=1.0).contains(v);
+    gamma: f64 = 0.94, "0 to 1", |v| (0.0..=1.0).contains(v);
     /// Lambda of generalised advantage estimation.
     lambda: f64 = 0.95, "0 to 1", |v| (0.0..=1.0).contains(v);
     /// Whether the last state of an episode counts with its value (episodes end by
@@ -214,7 +214,7 @@ settings! {
     /// Weight of the entropy bonus at the start.
     entropy: f64 = 0.01, "0 to 1", |v| (0.0..=1.0).contains(v);
     /// Weight of the entropy bonus at the end (it falls linearly).
-    entropy_end: f64 = 0.001, "0 to 1", |v| (0.0..=1.0).contains(v);
+    entropy_end: f64 = 0.0003, "0 to 1", |v| (0.0..=1.0).contains(v);
     /// Greatest global norm of the actor's gradient, and of the critic's.
     gradient_norm: f64 = 0.5, "above 0", |v| *v > 0.0;
     /// Error (in standard deviations of the return) beyond which the value loss is linear.
@@ -227,7 +227,7 @@ settings! {
     /// What a UAV pays in training for each PoI that it and exactly one other of its group
     /// cover, over its energy: 1 is what that takes from the other's individual coverage, which
     /// the scenario's reward leaves to the other alone. The reported reward stays the scenario's.
-    overlap_cost: f64 = 0.0, "0 to 10", |v| (0.0..=10.0).contains(v);
+    overlap_cost: f64 = 1.0, "0 to 10", |v| (0.0..=10.0).contains(v);
     /// Weight of the observation's own advice at the start: how strongly the policy is pulled
     /// towards the action that flies to the place which the observation names the best
     /// (cross-entropy). It falls linearly to 0; 0 learns without advice.
@@ -236,10 +236,10 @@ settings! {
     teacher_episodes: u32 = 960, "1 to 100000000", |v| (1..=100_000_000).contains(v);
     /// Share of the averaged weights kept at each update; the exported actor is this running
     /// average of the trained one. 0 exports the last weights.
-    averaging: f64 = 0.95, "0 to 0.9999", |v| (0.0..=0.9999).contains(v);
+    averaging: f64 = 0.99, "0 to 0.9999", |v| (0.0..=0.9999).contains(v);
     /// The exported actor's logits are divided by this: below 1 it draws less at random than
     /// in training, above 1 more.
-    temperature: f64 = 0.8, "0.05 to 20", |v| (0.05..=20.0).contains(v);
+    temperature: f64 = 0.6, "0.05 to 20", |v| (0.05..=20.0).contains(v);
     /// Episodes between checkpoints.
     checkpoint_every: u32 = 320, "1 to 100000000", |v| (1..=100_000_000).contains(v);
     /// Held-out worlds of the evaluation at the end.
@@ -416,9 +416,6 @@ impl Settings {
             return Err(SettingsError::Together(
                 "an observation in cells gives no advice: with `observation = \"cells\"` set `teacher` to 0".to_owned(),
             ));
-        }
-        if self.uavs_spread > 0 && self.shards < 2 {
-            return Err(SettingsError::Together("`uavs_spread` needs at least 2 `shards`".to_owned()));
         }
         Ok(())
     }
