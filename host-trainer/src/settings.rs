@@ -150,10 +150,13 @@ macro_rules! settings {
 settings! {
     /// UAVs in a world.
     uavs: u16 = 20, "1 to 10000", |v| (1..=10_000).contains(v);
-    /// How far the number of UAVs varies in training: in every second shard each round draws
-    /// its own, from `uavs` less this (at least 1) to `uavs` plus this. The curves are those of
-    /// the worlds with `uavs`. With one shard it is of no effect.
-    uavs_spread: u16 = 15, "0 to 1000", |v| (0..=1_000).contains(v);
+    /// Fewest UAVs in the worlds of every second shard: each round draws their number anew, up
+    /// to `uavs_most`. The curves are those of the other worlds.
+    uavs_least: u16 = 10, "1 to 10000", |v| (1..=10_000).contains(v);
+    /// Most UAVs in the worlds of every second shard. 0: all worlds have `uavs`.
+    uavs_most: u16 = 40, "0 to 10000", |v| (0..=10_000).contains(v);
+    /// Share of the worlds of every second shard whose PoIs follow the other law.
+    other_law: f64 = 0.25, "0 to 1", |v| (0.0..=1.0).contains(v);
     /// Points of interest in a world.
     pois: u16 = 120, "1 to 60000", |v| (1..=60_000).contains(v);
     /// Law of the PoIs: "clustered" or "uniform".
@@ -405,11 +408,17 @@ impl Settings {
                 self.shards, self.worlds
             )));
         }
-        let most = usize::from(self.uavs) + usize::from(self.uavs_spread);
+        let most = usize::from(self.uavs.max(self.uavs_most));
         if self.lossy() && most > MAX_NODES {
             return Err(SettingsError::Together(format!(
-                "up to {most} UAVs (`uavs` and `uavs_spread`), but with `link_loss` or `link_delay` there may be at \
+                "up to {most} UAVs (`uavs` and `uavs_most`), but with `link_loss` or `link_delay` there may be at \
                  most {MAX_NODES}"
+            )));
+        }
+        if self.uavs_most > 0 && self.uavs_least > self.uavs_most {
+            return Err(SettingsError::Together(format!(
+                "`uavs_least` ({}) must not exceed `uavs_most` ({}), or `uavs_most` be 0",
+                self.uavs_least, self.uavs_most
             )));
         }
         if self.observation == ObservationForm::Cells && self.teacher > 0.0 {
@@ -441,12 +450,22 @@ impl Settings {
     /// UAVs in the worlds of shard `shard` in round `round`, both counted from 0.
     #[must_use]
     pub fn uavs_in(&self, round: u32, shard: u32) -> u16 {
-        if self.uavs_spread == 0 || shard.is_multiple_of(2) {
+        if self.uavs_most == 0 || shard.is_multiple_of(2) {
             return self.uavs;
         }
         let mut random = stream("swarm sizes", self.seed, u64::from(round) * u64::from(self.shards) + u64::from(shard));
-        let (least, most) = (self.uavs.saturating_sub(self.uavs_spread).max(1), self.uavs + self.uavs_spread);
-        least + below(&mut random, u32::from(most - least) + 1) as u16
+        self.uavs_least + below(&mut random, u32::from(self.uavs_most - self.uavs_least) + 1) as u16
+    }
+
+    /// Law of the PoIs in world `world` of the `worlds` of shard `shard`.
+    #[must_use]
+    pub fn law_in(&self, shard: u32, world: usize, worlds: usize) -> Law {
+        let others = (self.other_law * worlds as f64).round() as usize;
+        match self.scenario {
+            law if shard.is_multiple_of(2) || world >= others => law,
+            Law::Clustered => Law::Uniform,
+            Law::Uniform => Law::Clustered,
+        }
     }
 
     /// Agent-steps in the first `rounds` rounds.
@@ -454,7 +473,7 @@ impl Settings {
     pub fn agent_steps(&self, rounds: u32) -> u64 {
         let (worlds, shards) = (u64::from(self.worlds), u64::from(self.shards));
         let size = |shard: u64| (shard + 1) * worlds / shards - shard * worlds / shards;
-        if self.uavs_spread == 0 {
+        if self.uavs_most == 0 {
             return u64::from(rounds) * worlds * u64::from(self.uavs) * u64::from(self.steps);
         }
         let in_round = |round| (0..shards).map(|k| size(k) * u64::from(self.uavs_in(round, k as u32))).sum::<u64>();

@@ -48,7 +48,7 @@ struct Report {
 /// When the settings are not sound, or another program's rate is not to be had.
 pub fn run(args: &Bench) -> Result<()> {
     // Learning alone: advice ends early in a run. Swarms of one size, so that all agent-steps are alike.
-    let mut s = Settings { graph: Graph(args.graph.into()), teacher: 0.0, uavs_spread: 0, ..Settings::default() };
+    let mut s = Settings { graph: Graph(args.graph.into()), teacher: 0.0, uavs_most: 0, ..Settings::default() };
     apply(&mut s, &args.set)?;
     let threads = args.threads.unwrap_or_else(|| cores().min(s.shards as usize)).max(1);
     use_threads(Some(threads));

@@ -15,6 +15,7 @@ use firmware_core::random::action_draw;
 /// Worlds of a shard with the buffers of a segment. Arrays are laid out
 /// `[step][world][UAV]`.
 pub struct Shard {
+    number: u32,
     worlds: Vec<World>,
     policy_seeds: Vec<u64>,
     eyes: Vec<Eyes>,
@@ -45,12 +46,13 @@ fn policy_seed(seed: u64, episode: u64) -> u64 {
 }
 
 impl Shard {
-    /// A shard of `count` worlds.
+    /// Shard `number` of the run, of `count` worlds.
     ///
     /// # Errors
     /// When the scenario or the link cannot be built.
-    pub fn new(s: &Settings, count: usize) -> Result<Self, OverLinkError> {
+    pub fn new(s: &Settings, number: u32, count: usize) -> Result<Self, OverLinkError> {
         let mut shard = Self {
+            number,
             worlds: Vec::new(),
             policy_seeds: vec![0; count],
             eyes: Vec::new(),
@@ -74,8 +76,8 @@ impl Shard {
     fn resize(&mut self, s: &Settings, uavs: usize) -> Result<(), OverLinkError> {
         let count = self.policy_seeds.len();
         let (row, cells) = (count * uavs, count * uavs * self.steps);
-        let scenario = Scenario { uavs, ..s.world() };
-        self.worlds = (0..count).map(|_| World::new(&scenario)).collect::<Result<_, _>>()?;
+        let scenario = |world| Scenario { uavs, law: s.law_in(self.number, world, count), ..s.world() };
+        self.worlds = (0..count).map(|world| World::new(&scenario(world))).collect::<Result<_, _>>()?;
         self.eyes = vec![Eyes::new(s, uavs)?; count];
         self.uavs = uavs;
         self.observations.resize(cells + row);
@@ -242,6 +244,12 @@ impl Shard {
                 self.returns[t * row + k] = a[t] + v[t];
             }
         }
+    }
+
+    /// Whether its worlds are those of the scenario: others would blur the curves.
+    #[must_use]
+    pub const fn is_usual(&self, s: &Settings) -> bool {
+        self.number.is_multiple_of(2) || s.uavs_most == 0 && s.other_law == 0.0
     }
 
     /// Metrics of the episodes in their present state, summed over the worlds.

@@ -197,7 +197,7 @@ impl Trainer {
     fn assemble(settings: Settings, state: State, inputs: u16) -> Result<Self, OverLinkError> {
         let (worlds, shards) = (settings.worlds as usize, settings.shards as usize);
         let shards: Vec<_> = (0..shards)
-            .map(|k| Shard::new(&settings, (k + 1) * worlds / shards - k * worlds / shards))
+            .map(|k| Shard::new(&settings, k as u32, (k + 1) * worlds / shards - k * worlds / shards))
             .collect::<Result<_, _>>()?;
         let layouts = layouts(&settings, inputs);
         let mut nets = Networks::new(&layouts, settings.graph.0);
@@ -357,8 +357,7 @@ impl Trainer {
 
     fn row(&self, o: &Outcome, explained_variance: f64, learning_rate: f64) -> Row {
         let s = &self.settings;
-        // Swarms of other sizes would blur the curves; the first shard never has one.
-        let usual = self.shards.iter().filter(|shard| shard.uavs() == usize::from(s.uavs));
+        let usual = self.shards.iter().filter(|shard| shard.is_usual(s));
         let all: Vec<EpisodeMetrics> = usual.flat_map(Shard::metrics).collect();
         let mean = |f: fn(&EpisodeMetrics) -> f64| all.iter().map(f).sum::<f64>() / all.len() as f64;
         let episodes = u64::from(self.state.rounds) * u64::from(s.worlds);

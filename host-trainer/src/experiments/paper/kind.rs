@@ -54,7 +54,8 @@ impl Kind {
             Self::Paper => Settings {
                 observation: ObservationForm::Cells,
                 uavs: 20,
-                uavs_spread: 0,
+                uavs_most: 0,
+                other_law: 0.0,
                 episodes: 6000,
                 learning_rate_end: 0.1,
                 gamma: 0.97,
