@@ -242,7 +242,7 @@ settings! {
     averaging: f64 = 0.99, "0 to 0.9999", |v| (0.0..=0.9999).contains(v);
     /// The exported actor's logits are divided by this: below 1 it draws less at random than
     /// in training, above 1 more.
-    temperature: f64 = 0.6, "0.05 to 20", |v| (0.05..=20.0).contains(v);
+    temperature: f64 = 0.8, "0.05 to 20", |v| (0.05..=20.0).contains(v);
     /// Episodes between checkpoints.
     checkpoint_every: u32 = 320, "1 to 100000000", |v| (1..=100_000_000).contains(v);
     /// Held-out worlds of the evaluation at the end.
