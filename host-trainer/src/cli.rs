@@ -173,7 +173,7 @@ pub struct Train {
 /// `eval`.
 #[derive(Debug, Args)]
 pub struct Eval {
-    /// Actor file [default: the one that comes with Covey].
+    /// Actor file; or gcn, gat or none: those that come with Covey [default: gcn].
     #[arg(long, value_name = "FILE.postcard", conflicts_with_all = ["run", "policy"])]
     pub model: Option<PathBuf>,
     /// Run folder: its actor file, and with --float its float policy beside it.
@@ -244,7 +244,7 @@ pub enum Experiment {
 /// `experiment link`.
 #[derive(Debug, Args)]
 pub struct ExperimentLink {
-    /// Actor file [default: the one that comes with Covey].
+    /// Actor file; or gcn, gat or none: those that come with Covey [default: gcn].
     #[arg(long, value_name = "FILE.postcard")]
     pub model: Option<PathBuf>,
     /// UAVs.
@@ -302,7 +302,7 @@ pub struct Export {
 /// `inspect`.
 #[derive(Debug, Args)]
 pub struct Inspect {
-    /// Actor file.
+    /// Actor file; or gcn, gat or none: those that come with Covey.
     #[arg(value_name = "FILE.postcard")]
     pub file: PathBuf,
 }

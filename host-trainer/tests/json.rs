@@ -72,7 +72,7 @@ fn the_actor_that_comes_with_covey_flies() {
     assert_eq!(found.len(), 1);
     check(&found[0], "clustered", 3, "sample");
     assert!(found[0]["policy"].as_str().is_some_and(|p| p.ends_with(" int8")), "{}", found[0]);
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("actors/default.postcard");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("actors/gcn.postcard");
     let said = succeed(trainer().arg("inspect").arg(file)).out;
     assert!(said.contains("a sound actor") && said.contains("self-test      passed"), "{said}");
 }

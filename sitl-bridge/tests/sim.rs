@@ -15,7 +15,7 @@ fn scenario() -> Scenario {
 }
 
 fn actor() -> Actor<'static> {
-    let bytes = include_bytes!("../../host-trainer/actors/default.postcard");
+    let bytes = include_bytes!("../../host-trainer/actors/gcn.postcard");
     let actor = Actor::load(bytes).expect("sound");
     actor.self_test().expect("sound");
     actor

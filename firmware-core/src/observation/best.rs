@@ -25,8 +25,9 @@ const HORIZON: i16 = 8 * STEP;
 const YIELDED: i16 = 120;
 /// Within this distance of a coarse place a PoI counts, ticks: 9.84 u.
 const REACH: i32 = 10_076;
-/// Within these distances of a fine place a PoI counts 5, 3 and 1: nobody arrives to the inch.
-const SURE: [(i32, i16); 3] = [(8_909, 2), (9_574, 2), (COVER, 1)];
+/// Within these distances of a fine place, ticks, a PoI counts 5, 3 and 1: nobody arrives to the
+/// inch.
+const SURE: [i16; 3] = [square(8_909), square(9_574), square(COVER)];
 /// Times that, what a PoI counts that a neighbour which yields covers, and one that nobody covers.
 const SHARED: i16 = 3;
 const WHOLE: i16 = 4;
@@ -105,16 +106,12 @@ pub(super) fn worth(pois: &[SeenPoi]) -> Grid {
 }
 
 /// Worth of the place itself, of the eight around it, and of the eight 8 u away.
-pub(super) fn rings(worth: &Grid) -> [i16; 17] {
-    let at = |x: i32, y: i32| {
-        let line = worth.get((MIDDLE + y) as usize);
-        line.and_then(|l| l.get((MIDDLE + x) as usize)).copied().unwrap_or(0)
-    };
-    let mut out = [0; 17];
-    let directions = [(0, 0), (1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1)];
-    let places = (0..2).flat_map(|ring| directions.iter().skip(ring).map(move |&(x, y)| (x << ring, y << ring)));
-    out.iter_mut().zip(places).for_each(|(out, (x, y))| *out = at(x, y));
-    out
+pub(super) const fn rings(worth: &Grid) -> [i16; 17] {
+    let [_, south2, south, middle, north, north2, _] = worth;
+    let ([_, sww, _, ss, _, see, ..], [_, nww, _, nn, _, nee, ..]) = (south2, north2);
+    let ([_, _, sw, s, se, ..], [_, _, nw, n, ne, ..]) = (south, north);
+    let [_, ww, w, here, e, ee, ..] = middle;
+    [*here, *e, *se, *s, *sw, *w, *nw, *n, *ne, *ee, *see, *ss, *sww, *ww, *nww, *nn, *nee]
 }
 
 /// The best place.
@@ -196,9 +193,8 @@ fn refine(pois: &[SeenPoi], coarse: Vec2) -> (Vec2, i32) {
         let (dx, dy) = (squares::<LINE>(at.x, FINE), squares::<SIDE>(at.y, FINE));
         for (line, dy) in count.iter_mut().zip(dy) {
             for (count, dx) in line.iter_mut().zip(dx) {
-                for (reach, share) in SURE {
-                    *count += if dx + dy <= square(reach) { share * weight } else { 0 };
-                }
+                let within = |k: usize| i16::from(dx + dy <= SURE[k]);
+                *count += weight * (2 * within(0) + 2 * within(1) + within(2));
             }
         }
     }

@@ -108,15 +108,16 @@ pub(super) fn outlooks(
         PLACES.near(((n.offset.x >> 9) as i16, (n.offset.y >> 9) as i16), SEES, &mut left, |l| l.min(most));
     }
     // 0 to 32: how likely PoIs are so far from the edge.
-    let inside = |at: i32| {
+    let inside = |at: i32, way: i32| {
+        let at = at.saturating_add(way * FAR_U);
         let from_edge = half_side.saturating_sub(at.saturating_sub(half_side).saturating_abs());
-        (from_edge.clamp(0, EDGE_U * TICKS_PER_U) / TICKS_PER_U) as i16
+        (from_edge.clamp(0, EDGE_U * TICKS_PER_U) >> TICKS_PER_U.ilog2()) as i16
     };
-    core::array::from_fn(|k| {
-        let place = place(k);
-        let (x, y) = (inside(position.x.saturating_add(place.x)), inside(position.y.saturating_add(place.y)));
-        let likely = (x * y) >> 5;
-        let hinted = if likely > 0 { (hints[k] * HINTED).min(HINTED_MOST) } else { 0 };
-        ((((EXPECTED * likely) >> 5) + hinted) * left[k]) >> 4
-    })
+    let mut worth = [0; DIRECTIONS];
+    for (((worth, &(ux, uy)), hints), left) in worth.iter_mut().zip(&AROUND).zip(hints).zip(left) {
+        let likely = (inside(position.x, ux) * inside(position.y, uy)) >> 5;
+        let hinted = if likely > 0 { (hints * HINTED).min(HINTED_MOST) } else { 0 };
+        *worth = ((((EXPECTED * likely) >> 5) + hinted) * left) >> 4;
+    }
+    worth
 }

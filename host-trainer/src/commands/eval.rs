@@ -2,7 +2,7 @@
 
 use super::boards::Emulated;
 use super::inspect::load;
-use super::{read, use_threads};
+use super::{read, read_actor, use_threads};
 use crate::any_actor::AnyActor;
 use crate::cli::{DecideArg, Eval};
 use crate::float_actor::FloatActor;
@@ -13,9 +13,6 @@ use crate::with_actor;
 use covey_env::Scenario;
 use firmware_core::actor::Mode;
 use miette::{IntoDiagnostic, Result, WrapErr, miette};
-
-/// The actor that comes with Covey.
-pub const SHIPPED: &[u8] = include_bytes!("../../actors/default.postcard");
 
 /// Measures and prints.
 ///
@@ -31,13 +28,12 @@ pub fn run(args: &Eval) -> Result<()> {
         DecideArg::Argmax => Mode::Argmax,
     };
     let (bytes, name) = match (&args.model, &args.run) {
-        (Some(file), _) => (read(file)?, file.display().to_string()),
         (_, Some(run)) => {
             let file = RunFolder::open(run).into_diagnostic()?.actor();
             let bytes = read(&file).wrap_err("the run has no actor file yet; make one with `host-trainer export`")?;
             (bytes, file.display().to_string())
         }
-        _ => (SHIPPED.to_vec(), "the actor that comes with Covey".to_owned()),
+        (model, _) => read_actor(model.as_deref())?,
     };
     let mut worlds = Scenario::default();
     let mut float = None;

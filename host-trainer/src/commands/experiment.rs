@@ -1,8 +1,7 @@
 //! `experiment`: measurements that make a page for the documents.
 
-use super::eval::SHIPPED;
 use super::inspect::load;
-use super::{read, use_threads};
+use super::{read_actor, use_threads};
 use crate::cli::{Experiment, ExperimentLink};
 use crate::experiments::link::study;
 use crate::measure::{EvalRow, Trial};
@@ -32,10 +31,7 @@ fn link(args: &ExperimentLink) -> Result<()> {
     if args.worlds < 2 {
         return Err(miette!("--worlds {}: a standard error needs at least 2 worlds", args.worlds));
     }
-    let (bytes, name) = match &args.model {
-        Some(file) => (read(file)?, file.display().to_string()),
-        None => (SHIPPED.to_vec(), "the actor that comes with Covey".to_owned()),
-    };
+    let (bytes, name) = read_actor(args.model.as_deref())?;
     let actor = load(&bytes).wrap_err_with(|| format!("{name} cannot fly"))?;
     let scenario = Scenario { uavs: usize::from(args.uavs), law: args.scenario.into(), ..Scenario::default() };
     let trial = Trial { scenario, seed: args.seed, worlds: args.worlds, mode: Mode::Sample };

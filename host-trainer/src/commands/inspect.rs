@@ -1,6 +1,6 @@
 //! `inspect`: an actor file, checked and shown.
 
-use super::read;
+use super::read_actor;
 use crate::any_actor::AnyActor;
 use crate::cli::Inspect;
 use crate::with_actor;
@@ -12,9 +12,9 @@ use miette::{Result, WrapErr, miette};
 /// # Errors
 /// When the file is not a sound actor.
 pub fn run(args: &Inspect) -> Result<()> {
-    let bytes = read(&args.file)?;
-    let actor = load(&bytes).wrap_err_with(|| format!("{} cannot fly", args.file.display()))?;
-    println!("{}: a sound actor, {} bytes", args.file.display(), bytes.len());
+    let (bytes, name) = read_actor(Some(&args.file))?;
+    let actor = load(&bytes).wrap_err_with(|| format!("{name} cannot fly"))?;
+    println!("{name}: a sound actor, {} bytes", bytes.len());
     with_actor!(actor, actor => show(actor));
     Ok(())
 }

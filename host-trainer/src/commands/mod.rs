@@ -88,6 +88,17 @@ fn apply(settings: &mut Settings, assignments: &[String]) -> Result<()> {
     settings.check().into_diagnostic()
 }
 
+/// The actor of a `--model`, and what to call it.
+fn read_actor(model: Option<&Path>) -> Result<(Vec<u8>, String)> {
+    match (covey_env::shipped(model), model) {
+        (Some((bytes, name)), _) => Ok((bytes.to_vec(), name)),
+        (None, model) => {
+            let file = model.unwrap_or_else(|| Path::new(""));
+            Ok((read(file)?, file.display().to_string()))
+        }
+    }
+}
+
 /// A file's bytes.
 fn read(path: &Path) -> Result<Vec<u8>> {
     std::fs::read(path).map_err(|e| miette::miette!("cannot read {}: {e}", path.display()))

@@ -3,6 +3,7 @@
 use super::actor_file::{self, ActorFileError};
 use crate::node::{Order, Timing};
 use crate::signing::{Key, LinkSigning, Session, StateFile, Timestamp, Unsigned};
+use covey_env::shipped;
 use miette::{IntoDiagnostic as _, Result, WrapErr as _, miette};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -11,13 +12,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::{io, thread};
 
-/// The actor that comes with Covey.
-const SHIPPED: &[u8] = include_bytes!("../../../host-trainer/actors/default.postcard");
-
 /// Which actor flies.
 #[derive(Clone, Debug, clap::Args)]
 pub struct ActorArgs {
-    /// The actor file; the one that comes with Covey when left out.
+    /// The actor file; or gcn, gat or none: those that come with Covey [default: gcn].
     #[arg(long)]
     actor: Option<PathBuf>,
 }
@@ -25,9 +23,12 @@ pub struct ActorArgs {
 impl ActorArgs {
     /// The file's bytes and its name.
     pub(super) fn read(&self) -> Result<(Vec<u8>, PathBuf), ActorFileError> {
-        match &self.actor {
-            Some(path) => Ok((actor_file::read(path)?, path.clone())),
-            None => Ok((SHIPPED.to_vec(), PathBuf::from("the actor that comes with Covey"))),
+        match shipped(self.actor.as_deref()) {
+            Some((bytes, name)) => Ok((bytes.to_vec(), name.into())),
+            None => {
+                let path = self.actor.clone().unwrap_or_default();
+                Ok((actor_file::read(&path)?, path))
+            }
         }
     }
 }

@@ -18,7 +18,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::thread::{self, JoinHandle};
 
 /// The actor that comes with Covey.
-const ACTOR: &[u8] = include_bytes!("../../../host-trainer/actors/default.postcard");
+const ACTOR: &[u8] = include_bytes!("../../../host-trainer/actors/gcn.postcard");
 
 /// What is flown.
 pub struct Plan {
