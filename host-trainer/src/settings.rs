@@ -501,6 +501,22 @@ mod tests {
     }
 
     #[test]
+    fn every_second_shard_has_other_worlds() {
+        let s = Settings { uavs_least: 3, uavs_most: 5, other_law: 0.25, ..Settings::default() };
+        let sizes = |shard| (0..60).map(|round| s.uavs_in(round, shard)).collect::<std::collections::BTreeSet<_>>();
+        assert_eq!((sizes(0), sizes(1), sizes(2)), ([20].into(), [3, 4, 5].into(), [20].into()));
+        let laws = |shard| (0..16).filter(|&world| s.law_in(shard, world, 16) == Law::Uniform).count();
+        assert_eq!((laws(0), laws(1), laws(3)), (0, 4, 4));
+        let steps = (0..7).flat_map(|round| (0..4).map(move |shard| (round, shard))).map(|(r, k)| s.uavs_in(r, k));
+        assert_eq!(s.agent_steps(7), steps.map(|uavs| u64::from(uavs) * 16 * 100).sum::<u64>());
+        let alike = Settings { uavs_most: 0, other_law: 0.0, ..Settings::default() };
+        assert!(
+            (0..9).all(|round| alike.uavs_in(round, 1) == 20 && alike.law_in(1, round as usize, 16) == Law::Clustered)
+        );
+        assert_eq!(alike.agent_steps(7), 7 * 64 * 20 * 100);
+    }
+
+    #[test]
     fn errors_name_the_remedy() {
         let mut s = Settings::default();
         let say = |r: Result<(), SettingsError>| r.unwrap_err().to_string();
@@ -512,5 +528,9 @@ mod tests {
         assert!(say(s.merge("a = = 1", "f.toml")).contains("f.toml is not valid TOML"));
         s.set("segment=30").unwrap();
         assert!(say(s.check()).contains("try 25"));
+        let mut s = Settings { uavs_least: 9, uavs_most: 8, ..Settings::default() };
+        assert!(say(s.check()).contains("`uavs_least` (9) must not exceed `uavs_most` (8)"));
+        s = Settings { observation: ObservationForm::Cells, ..Settings::default() };
+        assert!(say(s.check()).contains("set `teacher` to 0"));
     }
 }

@@ -2,10 +2,10 @@
 //!
 //! `cargo run --release -p covey-env --example reference [WORLDS [SEED]]`
 
-use covey_env::baselines::{Centroid, Greedy, Hover, Planner, Random, RememberingPlanner};
+use covey_env::baselines::{Centroid, Follower, Greedy, Hover, Planner, Random, RememberingPlanner};
 use covey_env::cover::best_sites;
 use covey_env::oracles::{FlyToSites, evaluate_parked};
-use covey_env::{EpisodeMetrics, Evaluation, Law, Scenario, ScenarioError, World, evaluate};
+use covey_env::{EpisodeMetrics, Evaluation, Law, Scenario, ScenarioError, World, evaluate, policy_seed};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut args = std::env::args().skip(1);
@@ -20,6 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         show(law, "hover", || evaluate(&scenario, seed, worlds, |_| Hover))?;
         show(law, "greedy", || evaluate(&scenario, seed, worlds, |_| Greedy::new()))?;
         show(law, "centroid", || evaluate(&scenario, seed, worlds, |i| Centroid::new(seed, i)))?;
+        show(law, "follower", || evaluate(&scenario, seed, worlds, |i| Follower::new(policy_seed(seed, i))))?;
         show(law, "planner", || evaluate(&scenario, seed, worlds, |_| Planner::new()))?;
         show(law, "remembering", || evaluate(&scenario, seed, worlds, |_| RememberingPlanner::new()))?;
         show(law, "oracle", || evaluate(&scenario, seed, worlds, |_| FlyToSites::new()))?;

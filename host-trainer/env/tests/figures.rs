@@ -1,9 +1,9 @@
 //! Baselines and oracles against the scenario's reference figures, on fewer worlds.
 //! The full check is the example `reference`.
 
-use covey_env::baselines::{Centroid, Greedy, Hover, Planner, Random, RememberingPlanner};
+use covey_env::baselines::{Centroid, Follower, Greedy, Hover, Planner, Random, RememberingPlanner};
 use covey_env::oracles::{FlyToSites, evaluate_parked};
-use covey_env::{Evaluation, Law, Scenario, evaluate};
+use covey_env::{Evaluation, Law, Scenario, evaluate, policy_seed};
 
 const WORLDS: u64 = 40;
 const SEED: u64 = 777;
@@ -58,6 +58,15 @@ fn centroid() {
     assert_energy(&e, 0.69);
     assert_reward(&e, 510.0);
     assert_coverage(&evaluate(&scenario(Law::Uniform), SEED, WORLDS, |i| Centroid::new(1, i)).unwrap(), 0.349);
+}
+
+#[test]
+fn follower() {
+    for (law, coverage, reward) in [(Law::Clustered, 0.592, 536.0), (Law::Uniform, 0.373, 341.0)] {
+        let e = evaluate(&scenario(law), SEED, WORLDS, |i| Follower::new(policy_seed(SEED, i))).unwrap();
+        assert_coverage(&e, coverage);
+        assert_reward(&e, reward);
+    }
 }
 
 #[test]
