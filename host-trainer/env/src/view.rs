@@ -103,12 +103,6 @@ impl World {
         &self.score.overlap
     }
 
-    /// Energy of the last step, one a UAV: 0.5 hovering, 1 at full speed.
-    #[must_use]
-    pub fn energies(&self) -> &[f32] {
-        &self.score.energy
-    }
-
     /// Rewards of the last step. Before the first, what the spawn state would pay.
     #[must_use]
     pub fn rewards(&self) -> &[f32] {

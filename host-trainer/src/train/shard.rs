@@ -219,7 +219,7 @@ impl Shard {
             let rewards = world.rewards();
             let team = rewards.iter().sum::<f32>() / n as f32;
             let (share, cost) = (s.team_share as f32, s.overlap_cost as f32);
-            let taken = world.overlaps().iter().zip(world.energies());
+            let taken = world.overlaps().iter().zip(world.energy());
             for ((r, own), (&overlap, energy)) in self.rewards[place].iter_mut().zip(rewards).zip(taken) {
                 *r = own + share * (team - own) - cost * overlap as f32 / energy;
             }
