@@ -82,7 +82,10 @@ fn bad_flags_are_refused_before_anything_is_made() {
 #[test]
 fn bad_evaluations_are_refused() {
     let cases: [(&[&str], &[&str]); 8] = [
-        (&["--policy", "clever"], &["clever", "random, hover, greedy, centroid, planner, remembering, oracle, parked"]),
+        (
+            &["--policy", "clever"],
+            &["clever", "random, hover, greedy, centroid, follower, planner, remembering, oracle, parked"],
+        ),
         (&["--policy", "hover", "--scenario", "ring"], &["ring", "clustered, uniform"]),
         (&["--policy", "hover", "--decide", "best"], &["best", "sample, argmax"]),
         (&["--policy", "hover", "--uavs", "5,x"], &["--uavs", "x"]),

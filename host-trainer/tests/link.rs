@@ -126,7 +126,7 @@ fn links_that_cannot_be_trained_over_are_refused() {
     let cases: [(&[&str], &[&str]); 3] = [
         (&["link_loss=1.5"], &["`link_loss` is 1.5", "0 to 1"]),
         (&["link_delay=3"], &["`link_delay` is 3", "0 to 2"]),
-        (&["link_delay=1", "uavs=3000"], &["`uavs` is 3000", "at most 2048"]),
+        (&["link_delay=1", "uavs=3000"], &["up to 3000 UAVs", "at most 2048"]),
     ];
     for (settings, words) in cases {
         refuse(&mut train(&out, settings), words);

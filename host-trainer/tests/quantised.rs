@@ -138,7 +138,7 @@ fn an_actor_of_another_form_is_refused() {
     let (compact, cells) = (file(ObservationForm::Compact), file(ObservationForm::Cells));
     let refused = Actor::load(&cells).expect_err("another form");
     assert_eq!(refused, LoadError::Observation { found: Cells::ID, built: <Observation as Form>::ID });
-    assert!(refused.to_string().contains("wants observation form 100, this program builds form 1"), "{refused}");
+    assert!(refused.to_string().contains("wants observation form 100, this program builds form 2"), "{refused}");
     let refused = CellsActor::load(&compact).expect_err("another form");
     assert_eq!(refused, LoadError::Observation { found: <Observation as Form>::ID, built: Cells::ID });
     assert!(CellsActor::load(&cells).is_ok_and(|actor| actor.self_test().is_ok()));

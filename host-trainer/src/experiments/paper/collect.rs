@@ -3,16 +3,18 @@
 use super::kind::{Kind, common};
 use super::results::{Baseline, Curves, Flight, Group, Results, RunResult, rounded};
 use super::{SIZES, WORLDS};
+use crate::any_actor::AnyActor;
 use crate::cli::PolicyArg;
 use crate::float_actor::FloatActor;
 use crate::measure::{Subject, Trial};
 use crate::run::{FolderError, RunFolder};
 use crate::settings::Settings;
 use crate::train::Row;
+use crate::with_actor;
 use covey_env::{EpisodeMetrics, Scenario, ScenarioError};
 use covey_report::atomic::{self, WriteError};
 use covey_report::metrics::{self, MetricsError};
-use firmware_core::actor::{Actor, Mode};
+use firmware_core::actor::Mode;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -278,11 +280,11 @@ fn flights(run: &Run, worlds: Worlds, watch: impl FnOnce()) -> Result<(&'static 
     }
     let bad = |why: String| CollectError::Actor { path: file.clone(), why };
     let bytes = std::fs::read(&file).map_err(|e| bad(e.to_string()))?;
-    let actor = Actor::load(&bytes).map_err(|e| bad(e.to_string()))?;
-    let hash = format!("{:016x}", actor.content_hash());
+    let actor = AnyActor::load(&bytes).map_err(|e| bad(e.to_string()))?;
+    let hash = format!("{:016x}", with_actor!(actor, actor => actor.content_hash()));
     let flights = cached(&flown, &hash, worlds, || {
         watch();
-        fly(&Subject::Int8(&actor), &run.settings, worlds)
+        fly(&Subject::of(&actor), &run.settings, worlds)
     })?;
     Ok(("int8", flights))
 }
