@@ -37,7 +37,7 @@ fn overlaps_are_pois_that_just_two_of_a_group_cover() {
         while !world.done() {
             policy.act(&world, &mut actions);
             world.step(&actions);
-            if world.steps_done() % 10 != 0 {
+            if !world.steps_done().is_multiple_of(10) {
                 continue;
             }
             let group = groups(&world, uavs);
