@@ -53,7 +53,8 @@ pub enum Command {
     Report(Report),
     /// Measure how fast this machine trains.
     #[command(after_help = "Examples:\n  host-trainer bench\n  host-trainer bench --graph gat --threads 1 --json\n  \
-        host-trainer bench --against ./other.sh --stage env --repeats 5")]
+        host-trainer bench --against ./other.sh --stage env --repeats 5\n  \
+        host-trainer bench --device cuda --set worlds=512 --set minibatch=16000")]
     Bench(Bench),
     /// List every setting of a training run with its default and meaning.
     #[command(after_help = "Example:\n  host-trainer settings > my.toml")]
@@ -125,6 +126,17 @@ pub enum StageArg {
     Train,
 }
 
+/// What computes the networks in training.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DeviceArg {
+    /// This computer's processor.
+    Cpu,
+    /// An NVIDIA GPU; only in a program built with `--features cuda`.
+    Cuda,
+    /// A GPU through Vulkan, Metal or DirectX 12; only in a program built with `--features wgpu`.
+    Wgpu,
+}
+
 /// What runs the actor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ActorArg {
@@ -159,6 +171,9 @@ pub struct Train {
     /// Threads [default: one a core, at most one a shard]. Results do not depend on it.
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
+    /// What computes the networks. Worlds stay on the CPU.
+    #[arg(long, default_value = "cpu")]
+    pub device: DeviceArg,
     /// Sets one setting; may be repeated.
     #[arg(long, value_name = "key=value")]
     pub set: Vec<String>,
@@ -327,6 +342,9 @@ pub struct Bench {
     /// Threads [default: one a core].
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
+    /// What computes the networks; anything but `cpu` is measured beside the CPU.
+    #[arg(long, default_value = "cpu")]
+    pub device: DeviceArg,
     /// Runs of each stage; the medians are printed.
     #[arg(long, value_name = "N", default_value_t = 3)]
     pub repeats: u32,

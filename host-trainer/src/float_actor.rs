@@ -114,7 +114,7 @@ impl<'n> FloatPolicy<'n> {
                 let draw = |id: usize| action_draw(self.seed, id as u16, world.steps_done());
                 self.draws.clear();
                 self.draws.extend((0..actions.len()).map(|id| f64::from(draw(id)) / (1u64 << 32) as f64));
-                sample(logits, &self.draws, |id, action, _| actions[id] = action);
+                sample(logits.values(), &self.draws, |id, action, _| actions[id] = action);
             }
         }
     }

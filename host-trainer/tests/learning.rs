@@ -10,7 +10,7 @@ fn train(settings: &Settings) -> Vec<Row> {
     let workers = Workers::new(2).expect("threads");
     let mut rows = Vec::new();
     while !trainer.done() {
-        rows.push(trainer.round(&workers));
+        rows.push(trainer.round(&workers).expect("the CPU does not fail"));
     }
     rows
 }

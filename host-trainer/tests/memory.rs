@@ -39,10 +39,10 @@ fn allocations(stage: Stage, settings: &[&str]) -> u64 {
     }
     let workers = Workers::new(1).expect("a thread");
     let mut trainer = Trainer::new(s).expect("a trainer");
-    trainer.time(Stage::Update, &workers);
-    trainer.time(stage, &workers);
+    trainer.time(Stage::Update, &workers).expect("the CPU does not fail");
+    trainer.time(stage, &workers).expect("the CPU does not fail");
     let before = CALLS.load(Ordering::Relaxed);
-    trainer.time(stage, &workers);
+    trainer.time(stage, &workers).expect("the CPU does not fail");
     CALLS.load(Ordering::Relaxed) - before
 }
 

@@ -19,7 +19,7 @@ fn trained(settings: &Settings) -> FloatActor {
     let mut trainer = Trainer::new(settings.clone()).expect("a scenario");
     let workers = Workers::new(2).expect("threads");
     while !trainer.done() {
-        trainer.round(&workers);
+        trainer.round(&workers).expect("the CPU does not fail");
     }
     FloatActor::new(settings, trainer.state().average.clone())
 }

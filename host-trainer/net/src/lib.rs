@@ -17,6 +17,7 @@ mod actor;
 mod critic;
 mod dense;
 mod encoder;
+mod engine;
 mod graph;
 mod init;
 mod inputs;
@@ -27,6 +28,7 @@ pub mod matrix;
 
 pub use actor::{ActorGradient, ActorNet, ActorPass};
 pub use critic::{CriticGradient, CriticNet, CriticPass};
+pub use engine::{Engine, EngineError, Outputs, Seen};
 pub use init::initialise;
 pub use inputs::{Inputs, worlds_in_pass};
 pub use layout::{Layout, Piece};

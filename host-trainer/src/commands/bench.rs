@@ -1,9 +1,10 @@
 //! `bench`: how fast this machine plays and learns, and how near that is to what it could.
 
 use super::against::{Turns, take_turns};
+use super::device::put;
 use super::machine::{memory_gb_per_s, peak_gflops, peak_memory_mib};
 use super::{apply, cores, use_threads};
-use crate::cli::{Bench, StageArg};
+use crate::cli::{Bench, DeviceArg, StageArg};
 use crate::settings::{Graph, Settings};
 use crate::train::{Stage, Trainer, Workers, dimensions};
 use covey_env::ObservationForm;
@@ -21,7 +22,11 @@ struct Report {
     policy_agent_steps_per_s: f64,
     update_agent_steps_per_s: f64,
     train_agent_steps_per_s: f64,
-    /// Multiply-adds of the update an agent-step, those with a zero left out.
+    device: String,
+    /// The same four rates with the networks on the CPU, where `device` is another.
+    cpu_agent_steps_per_s: Option<[f64; 4]>,
+    /// Multiply-adds of the update an agent-step, those with a zero left out; of the CPU, as
+    /// are the next three.
     update_multiply_adds: f64,
     /// Two operations each.
     update_gflops: f64,
@@ -58,7 +63,13 @@ pub fn run(args: &Bench) -> Result<()> {
     }
     let inputs = args.inputs.unwrap_or_else(|| dimensions(&s).observation);
     let mut trainer = Trainer::with_inputs(s.clone(), inputs).into_diagnostic()?;
-    let report = measure(args, &s, &mut trainer, &workers)?;
+    let mut on_device = if args.device == DeviceArg::Cpu {
+        None
+    } else {
+        let other = Trainer::with_inputs(s.clone(), inputs).into_diagnostic()?;
+        Some(put(other, args.device)?)
+    };
+    let report = measure(args, &s, &mut trainer, on_device.as_mut(), &workers)?;
     if args.json {
         println!("{}", serde_json::to_string_pretty(&report).into_diagnostic()?);
     } else {
@@ -67,44 +78,64 @@ pub fn run(args: &Bench) -> Result<()> {
     Ok(())
 }
 
-fn measure(args: &Bench, s: &Settings, trainer: &mut Trainer, workers: &Workers) -> Result<Report> {
+fn measure(
+    args: &Bench,
+    s: &Settings,
+    on_cpu: &mut Trainer,
+    mut on_device: Option<&mut Trainer>,
+    workers: &Workers,
+) -> Result<Report> {
     let agent_steps = f64::from(s.worlds) * f64::from(s.steps) * f64::from(s.uavs);
     let repeats = args.repeats.max(1);
     // A round to warm up; then each stage of the same trainer, in turn.
-    trainer.round(workers);
-    let mut rates = [const { Vec::new() }; 4];
+    round(on_cpu, workers)?;
+    on_device.as_mut().map_or(Ok(Duration::ZERO), |t| round(t, workers))?;
+    let (mut by_cpu, mut by_device) = (Rates::default(), Rates::default());
     let mut peaks = Vec::new();
     for _ in 0..repeats {
         peaks.push(peak_gflops(workers));
-        for (stage, rates) in [Stage::Environment, Stage::Policy, Stage::Update].into_iter().zip(&mut rates) {
-            rates.push(agent_steps / trainer.time(stage, workers).as_secs_f64());
+        measure_stages(&mut by_cpu, on_cpu, workers, agent_steps)?;
+        if let Some(trainer) = &mut on_device {
+            measure_stages(&mut by_device, trainer, workers, agent_steps)?;
         }
-        rates[3].push(agent_steps / round(trainer, workers).as_secs_f64());
     }
+    let work = on_cpu.count_update(workers).into_diagnostic()? as f64 / agent_steps;
+    let cpu = by_cpu.map(median);
+    let (trainer, [env, policy, update, train]) = match on_device {
+        Some(trainer) => (trainer, by_device.map(median)),
+        None => (on_cpu, cpu),
+    };
+    let other = trainer.device();
+    let mut failed = None;
     let against = args.against.as_ref().map(|command| {
         take_turns(command, args.marker.as_deref(), repeats, || {
             let (mut rounds, mut spent) = (0.0, Duration::ZERO);
-            while spent < TURN {
-                spent += match args.stage {
-                    StageArg::Env => trainer.time(Stage::Environment, workers),
-                    StageArg::Policy => trainer.time(Stage::Policy, workers),
-                    StageArg::Update => trainer.time(Stage::Update, workers),
+            while spent < TURN && failed.is_none() {
+                let took = match args.stage {
+                    StageArg::Env => time(trainer, Stage::Environment, workers),
+                    StageArg::Policy => time(trainer, Stage::Policy, workers),
+                    StageArg::Update => time(trainer, Stage::Update, workers),
                     StageArg::Train => round(trainer, workers),
                 };
+                match took {
+                    Ok(took) => spent += took,
+                    Err(e) => failed = Some(e),
+                }
                 rounds += 1.0;
             }
             rounds * agent_steps / spent.as_secs_f64()
         })
     });
-    let work = trainer.count_update(workers) as f64 / agent_steps;
-    let [env, policy, update, train] = rates.map(median);
-    let (peak, gflops) = (median(peaks), 2e-9 * work * update);
+    failed.map_or(Ok(()), Err)?;
+    let (peak, gflops) = (median(peaks), 2e-9 * work * cpu[2]);
     let peak_memory = peak_memory_mib();
     Ok(Report {
         env_agent_steps_per_s: env,
         policy_agent_steps_per_s: policy,
         update_agent_steps_per_s: update,
         train_agent_steps_per_s: train,
+        cpu_agent_steps_per_s: (args.device != DeviceArg::Cpu).then_some(cpu),
+        device: other,
         update_multiply_adds: work,
         update_gflops: gflops,
         fma_peak_gflops: peak,
@@ -124,11 +155,27 @@ fn measure(args: &Bench, s: &Settings, trainer: &mut Trainer, workers: &Workers)
     })
 }
 
+/// Agent-steps a second of the environment, the rollout, the update and training.
+type Rates = [Vec<f64>; 4];
+
+fn measure_stages(rates: &mut Rates, trainer: &mut Trainer, workers: &Workers, agent_steps: f64) -> Result<()> {
+    for (stage, rates) in [Stage::Environment, Stage::Policy, Stage::Update].into_iter().zip(&mut *rates) {
+        rates.push(agent_steps / time(trainer, stage, workers)?.as_secs_f64());
+    }
+    rates[3].push(agent_steps / round(trainer, workers)?.as_secs_f64());
+    Ok(())
+}
+
+/// Time of a stage.
+fn time(trainer: &mut Trainer, stage: Stage, workers: &Workers) -> Result<Duration> {
+    trainer.time(stage, workers).into_diagnostic()
+}
+
 /// Time of a round of training.
-fn round(trainer: &mut Trainer, workers: &Workers) -> Duration {
+fn round(trainer: &mut Trainer, workers: &Workers) -> Result<Duration> {
     let start = Instant::now();
-    trainer.round(workers);
-    start.elapsed()
+    trainer.round(workers).into_diagnostic()?;
+    Ok(start.elapsed())
 }
 
 const fn stage_name(stage: StageArg) -> &'static str {
@@ -142,16 +189,23 @@ const fn stage_name(stage: StageArg) -> &'static str {
 
 fn print(r: &Report) {
     println!(
-        "{} of {} inputs on {} thread(s), {} epochs, medians of {}:",
-        r.graph, r.inputs, r.threads, r.epochs, r.repeats
+        "{} of {} inputs on {} thread(s), {} epochs, {} worlds, minibatch {}, medians of {}:",
+        r.graph, r.inputs, r.threads, r.epochs, r.worlds, r.minibatch, r.repeats
     );
-    for (what, rate) in [
+    if r.cpu_agent_steps_per_s.is_some() {
+        println!("  {:<36} {:>9}               on the CPU (networks on {})", "", "", r.device);
+    }
+    for (k, (what, rate)) in [
         (stage_name(StageArg::Env), r.env_agent_steps_per_s),
         (stage_name(StageArg::Policy), r.policy_agent_steps_per_s),
         (stage_name(StageArg::Update), r.update_agent_steps_per_s),
         (stage_name(StageArg::Train), r.train_agent_steps_per_s),
-    ] {
-        println!("  {what:<36} {rate:>9.0} agent-steps/s");
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let beside = r.cpu_agent_steps_per_s.map(|cpu| format!(" {:>9.0}: {:.2} times", cpu[k], rate / cpu[k]));
+        println!("  {what:<36} {rate:>9.0} agent-steps/s{}", beside.unwrap_or_default());
     }
     println!(
         "  the update's products: {:.0} thousand multiply-adds an agent-step, {:.1} GFLOP/s, {:.0} % of the {:.1} that \

@@ -3,6 +3,7 @@
 mod against;
 mod bench;
 mod boards;
+mod device;
 mod eval;
 mod experiment;
 mod export;

@@ -1,5 +1,6 @@
 //! `train`: the main job, from settings to actor file and report.
 
+use super::device::put;
 use super::{apply, cores, use_threads};
 use crate::cli::{PolicyArg, Train};
 use crate::finish::{EvaluationFile, Finished, actor_file, trial};
@@ -34,10 +35,11 @@ pub fn run(args: &Train) -> Result<()> {
     let (folder, trainer) = if let Some(dir) = &args.resume {
         let folder = RunFolder::open(dir).into_diagnostic()?;
         let (settings, checkpoint) = folder.load().into_diagnostic()?;
-        (folder, Trainer::resume(settings, checkpoint.state).into_diagnostic()?)
+        let trainer = Trainer::resume(settings, checkpoint.state).into_diagnostic()?;
+        (folder, put(trainer, args.device)?)
     } else {
         let settings = settings(args)?;
-        let trainer = Trainer::new(settings.clone()).into_diagnostic()?;
+        let trainer = put(Trainer::new(settings.clone()).into_diagnostic()?, args.device)?;
         (RunFolder::create(args.out.as_deref(), &settings).into_diagnostic()?, trainer)
     };
     let shards = trainer.settings().shards as usize;
@@ -144,10 +146,11 @@ impl Session {
     pub(super) fn train(&mut self, workers: &Workers, stop: &AtomicBool, mut watch: impl FnMut(&Row)) -> Result<bool> {
         let s = self.trainer.settings().clone();
         self.say(&format!(
-            "training {} for {} episodes in {} ({} threads)",
+            "training {} for {} episodes in {} ({}, {} threads)",
             s.graph.0.name(),
             s.episodes,
             self.folder.path().display(),
+            self.trainer.device(),
             workers.threads()
         ));
         if self.episodes() == 0 {
@@ -156,7 +159,7 @@ impl Session {
         let (start, before) = (Instant::now(), s.agent_steps(self.trainer.state().rounds));
         let mut saved = self.episodes();
         while !self.trainer.done() && !stop.load(Ordering::SeqCst) {
-            let row = self.trainer.round(workers);
+            let row = self.trainer.round(workers).into_diagnostic()?;
             self.record(&row)?;
             let agent_steps = row.agent_steps - before;
             self.progress.update(&Status {

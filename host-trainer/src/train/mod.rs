@@ -2,6 +2,7 @@
 
 mod adam;
 mod advantage;
+mod engine;
 mod link;
 mod networks;
 mod ppo;

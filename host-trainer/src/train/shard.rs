@@ -8,9 +8,11 @@ use crate::settings::Settings;
 use covey_env::baselines::advice;
 use covey_env::radio::OverLinkError;
 use covey_env::{EpisodeMetrics, Links, Scenario, Sights, SightsRef, World};
-use covey_net::worlds_in_pass;
+use covey_net::kernel::padded;
+use covey_net::{Seen, worlds_in_pass};
 use firmware_core::action::{ACTIONS, Action};
 use firmware_core::random::action_draw;
+use std::ops::Range;
 
 /// Worlds of a shard with the buffers of a segment. Arrays are laid out
 /// `[step][world][UAV]`.
@@ -105,7 +107,9 @@ impl Shard {
         self.worlds.len()
     }
 
-    fn row(&self) -> usize {
+    /// UAVs in all its worlds.
+    #[must_use]
+    pub fn row(&self) -> usize {
         self.worlds.len() * self.uavs
     }
 
@@ -140,21 +144,65 @@ impl Shard {
     /// Plays a segment with sampled actions, values it and computes advantages.
     /// With `advised` the observations are asked for advice too.
     pub fn play(&mut self, s: &Settings, nets: &Networks, norm: &ValueNorm, advised: bool, work: &mut Workspace) {
-        let row = self.row();
-        let last = self.steps * row;
-        self.observations.copy_within(last..last + row, 0);
-        self.links.copy_within(last.., 0);
+        self.begin();
         for t in 0..=self.steps {
             self.look(t, nets, norm, work);
-            if t < self.steps {
-                if advised {
-                    self.ask(t);
-                }
-                self.step(t, s);
-                self.observe((t + 1) * row);
-            }
+            self.go_on(t, s, advised);
         }
-        self.estimate(s);
+    }
+
+    /// Begins a segment where the last one ended.
+    pub fn begin(&mut self) {
+        let last = self.steps * self.row();
+        self.observations.copy_within(last..last + self.row(), 0);
+        self.links.copy_within(last.., 0);
+    }
+
+    /// What is seen before step `t`, for an engine.
+    ///
+    /// # Panics
+    /// When it is seen in cells, which engines do not take.
+    #[must_use]
+    pub fn seen(&self, t: usize) -> Seen<'_> {
+        self.seen_at(t * self.row()..(t + 1) * self.row())
+    }
+
+    /// What is seen after the segment, or at the start of an episode.
+    ///
+    /// # Panics
+    /// As [`Self::seen`] does.
+    #[must_use]
+    pub fn next(&self) -> Seen<'_> {
+        self.seen(self.steps)
+    }
+
+    /// What was seen before the steps of the segment, all of them.
+    ///
+    /// # Panics
+    /// As [`Self::seen`] does.
+    #[must_use]
+    pub fn seen_in_segment(&self) -> Seen<'_> {
+        self.seen_at(0..self.steps * self.row())
+    }
+
+    fn seen_at(&self, place: Range<usize>) -> Seen<'_> {
+        let SightsRef::Compact(observations) = self.observations.part(place.clone()) else {
+            panic!("runs with observations in cells are refused before an engine is asked")
+        };
+        Seen { uavs: self.uavs, observations, links: &self.links[place] }
+    }
+
+    /// Step `t` with the actions taken; after the last one, computes advantages.
+    pub fn go_on(&mut self, t: usize, s: &Settings, advised: bool) {
+        if t < self.steps {
+            if advised {
+                self.ask(t);
+            }
+            self.step(t, s);
+            self.observe((t + 1) * self.row());
+        } else {
+            self.estimate(s);
+        }
     }
 
     /// Values the state before step `t` and, if the segment has this step, samples its
@@ -165,26 +213,48 @@ impl Shard {
         for first in (0..self.worlds.len()).step_by(pass) {
             let worlds = first..(first + pass).min(self.worlds.len());
             let place = t * row + worlds.start * n..t * row + worlds.end * n;
-            work.see(n, self.observations.part(place.clone()), &self.links[place.clone()]);
+            work.see(n, self.observations.part(place.clone()), &self.links[place]);
             work.critic.forward(&nets.critic, &work.inputs);
-            let raw = work.critic.values();
-            let raw = raw.values().iter().step_by(raw.step());
-            self.values[place.clone()].iter_mut().zip(raw).for_each(|(v, &raw)| *v = norm.restore(raw));
+            self.value(t, worlds.clone(), work.critic.values().values(), norm);
             if t < self.steps {
                 work.actor.forward(&nets.actor, &work.inputs);
-                work.draws.clear();
-                for (world, seed) in self.worlds[worlds.clone()].iter().zip(&self.policy_seeds[worlds]) {
-                    let draw = |id| action_draw(*seed, id as u16, world.steps_done());
-                    work.draws.extend((0..n).map(|id| f64::from(draw(id)) / (1u64 << 32) as f64));
-                }
-                let taken = &mut self.actions[place.clone()];
-                let log_p = &mut self.log_probabilities[place];
-                softmax::sample(work.actor.logits(), &work.draws, |k, action, l| {
-                    taken[k] = action;
-                    log_p[k] = l;
-                });
+                self.decide(t, worlds, work.actor.logits().values(), &mut work.draws);
             }
         }
+    }
+
+    /// As [`Self::play`] does before step `t`, with logits and values of all worlds that were
+    /// computed elsewhere, in rows as [`Outputs`](covey_net::Outputs) has them.
+    pub fn take(&mut self, t: usize, logits: &[f32], values: &[f32], norm: &ValueNorm, work: &mut Workspace) {
+        let all = 0..self.worlds.len();
+        self.value(t, all.clone(), values, norm);
+        if t < self.steps {
+            self.decide(t, all, logits, &mut work.draws);
+        }
+    }
+
+    /// Takes the critic's rows of some worlds before step `t`.
+    fn value(&mut self, t: usize, worlds: Range<usize>, rows: &[f32], norm: &ValueNorm) {
+        let place = t * self.row() + worlds.start * self.uavs..t * self.row() + worlds.end * self.uavs;
+        let raw = rows.iter().step_by(padded(1));
+        self.values[place].iter_mut().zip(raw).for_each(|(v, &raw)| *v = norm.restore(raw));
+    }
+
+    /// Samples the actions of some worlds in step `t` from their rows of logits.
+    fn decide(&mut self, t: usize, worlds: Range<usize>, rows: &[f32], draws: &mut Vec<f64>) {
+        let n = self.uavs;
+        let place = t * self.row() + worlds.start * n..t * self.row() + worlds.end * n;
+        draws.clear();
+        for (world, seed) in self.worlds[worlds.clone()].iter().zip(&self.policy_seeds[worlds]) {
+            let draw = |id| action_draw(*seed, id as u16, world.steps_done());
+            draws.extend((0..n).map(|id| f64::from(draw(id)) / (1u64 << 32) as f64));
+        }
+        let taken = &mut self.actions[place.clone()];
+        let log_p = &mut self.log_probabilities[place];
+        softmax::sample(rows, draws, |k, action, l| {
+            taken[k] = action;
+            log_p[k] = l;
+        });
     }
 
     /// What the observations before step `t` advise; those in cells advise nothing.

@@ -1,7 +1,7 @@
 //! The policy's distribution: probabilities from logits, and drawing from them.
 
 use covey_net::kernel::{LANES, Vectorised, padded, vectorised};
-use covey_net::{Rows, exp, ln};
+use covey_net::{exp, ln};
 use firmware_core::action::{ACTIONS, Action};
 
 /// Logits of a row in whole vectors.
@@ -62,15 +62,15 @@ fn pick(probabilities: &[f32; WIDTH], draw: f64) -> usize {
     usize::from(Action::COAST.index())
 }
 
-/// Draws an action for every row of logits; `draws` are uniform in 0 to 1. Returns the
-/// actions with their log-probabilities.
-pub fn sample(logits: &Rows, draws: &[f64], taken: impl FnMut(usize, Action, f32)) {
-    struct Sample<'a, F>(&'a Rows, &'a [f64], F);
+/// Draws an action for every row of logits, padded as in [`Rows`](covey_net::Rows); `draws` are
+/// uniform in 0 to 1. Hands out the actions with their log-probabilities.
+pub fn sample(logits: &[f32], draws: &[f64], taken: impl FnMut(usize, Action, f32)) {
+    struct Sample<'a, F>(&'a [f32], &'a [f64], F);
     impl<F: FnMut(usize, Action, f32)> Vectorised for Sample<'_, F> {
         type Output = ();
         #[inline(always)]
         fn call(mut self) {
-            let rows = self.0.values().chunks_exact(WIDTH).zip(self.1);
+            let rows = self.0.chunks_exact(WIDTH).zip(self.1);
             for (k, (row, &draw)) in rows.enumerate() {
                 let (log_p, p) = distribution(row_of(row));
                 let action = pick(&p, draw);

@@ -2,6 +2,7 @@
 
 use super::adam::Adam;
 use super::advantage::{ValueNorm, moments};
+use super::engine::OnEngine;
 use super::networks::{Networks, Workspace};
 use super::ppo::Loss;
 use super::shard::Shard;
@@ -10,7 +11,7 @@ use super::workers::Workers;
 use crate::settings::Settings;
 use covey_env::radio::OverLinkError;
 use covey_env::{EpisodeMetrics, ObservationForm};
-use covey_net::{Inputs, Layout, initialise};
+use covey_net::{Engine, EngineError, Inputs, Layout, initialise};
 use covey_report::metrics::nan_as_null;
 use firmware_core::action::ACTIONS;
 use firmware_core::actor::Dimensions;
@@ -149,10 +150,12 @@ pub enum Stage {
 /// A run in memory.
 pub struct Trainer {
     settings: Settings,
+    layouts: [Layout; 2],
     state: State,
     shards: Vec<Shard>,
     nets: Networks,
     work: Vec<Workspace>,
+    engine: Option<OnEngine>,
 }
 
 impl Trainer {
@@ -208,13 +211,40 @@ impl Trainer {
             ObservationForm::Cells => Inputs::of(ObservationForm::Cells),
         };
         let work = shards.iter().map(|_| Workspace::new(&layouts, seen.clone())).collect();
-        Ok(Self { settings, state, shards, nets, work })
+        Ok(Self { settings, layouts, state, shards, nets, work, engine: None })
+    }
+
+    /// The run with its networks computed by `engine`, which must be for its layouts.
+    ///
+    /// # Errors
+    /// When engines do not take such settings, the engine fails, or its numbers are not those of
+    /// the networks by hand.
+    pub fn on(mut self, engine: Box<dyn Engine>) -> Result<Self, EngineError> {
+        let s = &self.settings;
+        let mut engine = OnEngine::new(engine, s)?;
+        self.shards[0].reset(s, 0, s.uavs);
+        engine.load([&self.state.actor, &self.state.critic]);
+        engine.check(self.shards[0].next(), &self.nets, &self.state, &mut self.work[0])?;
+        self.engine = Some(engine);
+        Ok(self)
+    }
+
+    /// What computes the networks.
+    #[must_use]
+    pub fn device(&self) -> String {
+        self.engine.as_ref().map_or_else(|| "cpu".to_owned(), OnEngine::name)
     }
 
     /// Layouts of actor and critic.
     #[must_use]
     pub fn layouts(s: &Settings) -> [Layout; 2] {
         layouts(s, s.observation.len() as u16)
+    }
+
+    /// Layouts of its networks, which differ from [`Self::layouts`] when they take fewer inputs.
+    #[must_use]
+    pub fn network_layouts(&self) -> [Layout; 2] {
+        self.layouts.clone()
     }
 
     /// The settings.
@@ -236,7 +266,11 @@ impl Trainer {
     }
 
     /// Plays an episode in every world, with an update after every segment.
-    pub fn round(&mut self, workers: &Workers) -> Row {
+    ///
+    /// # Errors
+    /// When an engine fails, never without one. The round is then half done: go on from a
+    /// checkpoint.
+    pub fn round(&mut self, workers: &Workers) -> Result<Row, EngineError> {
         let s = self.settings.clone();
         let mut first = u64::from(self.state.rounds) * u64::from(s.worlds);
         let firsts: Vec<u64> = self
@@ -255,22 +289,25 @@ impl Trainer {
         let (mut total, mut explained, mut rate) = (Outcome::default(), 0.0, 0.0);
         for segment in 0..segments {
             let number = u64::from(self.state.rounds) * u64::from(segments) + u64::from(segment);
-            self.play(&s, s.teacher_at(number) > 0.0, workers);
+            self.play(&s, s.teacher_at(number) > 0.0, workers)?;
             explained += self.explained_variance() / f64::from(segments);
             let progress = number as f64 / (f64::from(s.rounds()) * f64::from(segments));
             rate = s.learning_rate * (1.0 - (1.0 - s.learning_rate_end) * progress);
-            let outcome = self.learn(&s, workers, number, progress, rate);
+            let outcome = self.learn(&s, workers, number, progress, rate)?;
             total.sums.add(&outcome.sums);
             total.minibatches += outcome.minibatches;
             total.norms.iter_mut().zip(outcome.norms).for_each(|(t, o)| *t += o);
         }
         self.state.rounds += 1;
-        self.row(&total, explained, rate)
+        Ok(self.row(&total, explained, rate))
     }
 
     /// Time of an episode's worth of one stage in every world. The state of the run
     /// moves on as in training, except that [`Stage::Environment`] learns nothing.
-    pub fn time(&mut self, stage: Stage, workers: &Workers) -> Duration {
+    ///
+    /// # Errors
+    /// When an engine fails.
+    pub fn time(&mut self, stage: Stage, workers: &Workers) -> Result<Duration, EngineError> {
         let s = self.settings.clone();
         workers.run(self.shards.iter_mut().collect(), |k, shard| shard.reset(&s, k as u64, s.uavs));
         let mut spent = Duration::ZERO;
@@ -280,34 +317,48 @@ impl Trainer {
                 Stage::Environment => {
                     workers.run(self.shards.iter_mut().collect(), |_, shard| shard.wander(&s));
                 }
-                Stage::Policy | Stage::Update => self.play(&s, false, workers),
+                Stage::Policy | Stage::Update => self.play(&s, false, workers)?,
             }
             let played = start.elapsed();
             let start = Instant::now();
             if stage == Stage::Update {
-                self.learn(&s, workers, u64::from(segment), 0.0, s.learning_rate);
+                self.learn(&s, workers, u64::from(segment), 0.0, s.learning_rate)?;
             }
             spent += if stage == Stage::Update { start.elapsed() } else { played };
         }
-        spent
+        Ok(spent)
     }
 
     /// Multiply-adds that the update of an episode's worth in every world takes, those with
-    /// a zero left out. It learns as [`Self::time`] does.
-    pub fn count_update(&mut self, workers: &Workers) -> u64 {
+    /// a zero left out; none that an engine does. It learns as [`Self::time`] does.
+    ///
+    /// # Errors
+    /// When an engine fails.
+    pub fn count_update(&mut self, workers: &Workers) -> Result<u64, EngineError> {
         self.work.iter_mut().for_each(|w| w.counted = Some(0));
-        self.time(Stage::Update, workers);
-        self.work.iter_mut().filter_map(|w| w.counted.take()).sum()
+        self.time(Stage::Update, workers)?;
+        Ok(self.work.iter_mut().filter_map(|w| w.counted.take()).sum())
     }
 
     /// Plays a segment in every world, with or without advice.
-    fn play(&mut self, s: &Settings, advised: bool, workers: &Workers) {
+    fn play(&mut self, s: &Settings, advised: bool, workers: &Workers) -> Result<(), EngineError> {
         let (nets, norm) = (&self.nets, self.state.norm);
+        if let Some(engine) = &mut self.engine {
+            return engine.play(s, &norm, advised, &mut self.shards, &mut self.work, workers);
+        }
         let items = self.shards.iter_mut().zip(&mut self.work).collect();
         workers.run(items, |_, (shard, work): (&mut Shard, &mut Workspace)| shard.play(s, nets, &norm, advised, work));
+        Ok(())
     }
 
-    fn learn(&mut self, s: &Settings, workers: &Workers, number: u64, progress: f64, learning_rate: f64) -> Outcome {
+    fn learn(
+        &mut self,
+        s: &Settings,
+        workers: &Workers,
+        number: u64,
+        progress: f64,
+        learning_rate: f64,
+    ) -> Result<Outcome, EngineError> {
         let all = |f: fn(&Shard) -> &Vec<f32>| self.shards.iter().flat_map(f).copied().collect::<Vec<f32>>();
         let (mean, deviation) = moments(&all(|s| &s.returns));
         self.state.norm.update(mean, deviation, s.value_norm_decay);
@@ -336,15 +387,16 @@ impl Trainer {
             nets: &mut self.nets,
             values: [&mut state.actor, &mut state.critic],
             adam: [&mut state.actor_adam, &mut state.critic_adam],
-            work: &mut self.work,
+            work: if self.engine.is_some() { &mut self.work[..1] } else { &mut self.work },
+            engine: self.engine.as_mut(),
         };
-        let outcome = update(&mut learner, &segment, &plan, workers);
+        let outcome = update(&mut learner, &segment, &plan, workers)?;
         // Early on the average is over all updates so far, or the first weights would linger.
         let keep = s.averaging.min(number as f64 / (number as f64 + 1.0)) as f32;
         for (average, value) in state.average.iter_mut().zip(&state.actor) {
             *average = keep * *average + (1.0 - keep) * value;
         }
-        outcome
+        Ok(outcome)
     }
 
     /// 1 − var(return − value)/var(return); return − value is the advantage.

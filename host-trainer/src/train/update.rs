@@ -3,21 +3,23 @@
 
 use super::adam::Adam;
 use super::advantage::ValueNorm;
+use super::engine::OnEngine;
 use super::networks::{Networks, Workspace};
 use super::ppo::{Loss, Sample, Sums};
 use super::shard::Shard;
 use super::workers::Workers;
 use covey_env::random::{below, stream};
-use covey_net::{ActorNet, CriticNet, worlds_in_pass};
+use covey_net::{ActorNet, CriticNet, EngineError, worlds_in_pass};
 
 /// A world-step of the segment.
 #[derive(Clone, Copy)]
-struct Place {
+pub struct Place {
     /// UAVs in that world.
-    uavs: u32,
-    shard: u32,
+    pub uavs: u32,
+    /// Its shard.
+    pub shard: u32,
     /// Index of its first UAV in the shard's arrays.
-    first: u32,
+    pub first: u32,
 }
 
 /// What an update needs besides the networks.
@@ -33,6 +35,12 @@ pub struct Segment<'s> {
 }
 
 impl Segment<'_> {
+    /// The samples of a world-step.
+    pub fn samples(&self, p: &Place) -> impl Iterator<Item = Sample> {
+        let (s, at) = (&self.shards[p.shard as usize], p.first as usize);
+        (at..at + p.uavs as usize).map(|at| self.sample(s, at))
+    }
+
     /// The sample at place `at` of a shard.
     fn sample(&self, s: &Shard, at: usize) -> Sample {
         let (mean, deviation) = self.advantage;
@@ -56,6 +64,8 @@ pub struct Learner<'l> {
     pub adam: [&'l mut Adam; 2],
     /// Buffers, one a part of a minibatch.
     pub work: &'l mut [Workspace],
+    /// What computes the gradients instead of the networks by hand; then there is one part.
+    pub engine: Option<&'l mut OnEngine>,
 }
 
 /// How to update.
@@ -86,7 +96,18 @@ pub struct Outcome {
 }
 
 /// Runs an update.
-pub fn update(learner: &mut Learner<'_>, segment: &Segment<'_>, plan: &Plan, workers: &Workers) -> Outcome {
+///
+/// # Errors
+/// When the engine fails.
+pub fn update(
+    learner: &mut Learner<'_>,
+    segment: &Segment<'_>,
+    plan: &Plan,
+    workers: &Workers,
+) -> Result<Outcome, EngineError> {
+    if let Some(engine) = &mut learner.engine {
+        engine.hold(segment);
+    }
     let mut places = places(segment);
     let samples = samples(&places);
     let count = ((samples + plan.minibatch / 2) / plan.minibatch).clamp(1, places.len());
@@ -99,13 +120,13 @@ pub fn update(learner: &mut Learner<'_>, segment: &Segment<'_>, plan: &Plan, wor
         for m in 0..count {
             let [from, to] = [m, m + 1].map(|m| m * places.len() / count);
             let batch = &mut places[from..to];
-            outcome.sums.add(&gradient(learner, segment, plan, workers, batch));
+            outcome.sums.add(&gradient(learner, segment, plan, workers, batch)?);
             let norms = step(learner, plan, workers);
             outcome.norms.iter_mut().zip(norms).for_each(|(sum, norm)| *sum += norm);
             outcome.minibatches += 1.0;
         }
     }
-    outcome
+    Ok(outcome)
 }
 
 fn places(segment: &Segment<'_>) -> Vec<Place> {
@@ -131,8 +152,11 @@ fn gradient(
     plan: &Plan,
     workers: &Workers,
     batch: &mut [Place],
-) -> Sums {
+) -> Result<Sums, EngineError> {
     let loss = Loss { samples: samples(batch) as f32, ..plan.loss };
+    if let Some(engine) = &mut learner.engine {
+        return engine.gradient(segment, &loss, batch, &mut learner.work[0]);
+    }
     // A pass is of worlds of one size. The sort is stable, so it changes nothing where there is but one.
     batch.sort_by_key(|p| p.uavs);
     let parts = learner.work.len();
@@ -147,7 +171,7 @@ fn gradient(
     });
     let mut sums = Sums::default();
     results.iter().for_each(|s| sums.add(s));
-    sums
+    Ok(sums)
 }
 
 /// Loss and gradients of a part of a minibatch.
@@ -164,7 +188,7 @@ fn part(nets: &Networks, segment: &Segment<'_>, loss: &Loss, places: &[Place], w
         for p in places {
             let (s, at) = (&segment.shards[p.shard as usize], p.first as usize);
             work.inputs.push(s.observations.part(at..at + uavs), &s.links[at..at + uavs]);
-            work.samples.extend((at..at + uavs).map(|at| segment.sample(s, at)));
+            work.samples.extend(segment.samples(p));
         }
         work.actor.forward(&nets.actor, &work.inputs);
         work.critic.forward(&nets.critic, &work.inputs);
@@ -205,5 +229,8 @@ fn step(learner: &mut Learner<'_>, plan: &Plan, workers: &Workers) -> [f64; 2] {
         }
         norm
     });
+    if let Some(engine) = &mut learner.engine {
+        engine.load(learner.values.each_ref().map(|v| &v[..]));
+    }
     [norms[0], norms[1]]
 }
