@@ -1,4 +1,4 @@
-//! The trainer's networks in burn, behind [`covey_net::Engine`]: [`BurnEngine`].
+//! The trainer's networks in burn, behind [`covey_net::Engine`]: `BurnEngine`.
 //!
 //! Everything is a dense product over whole minibatches, as GPUs like it, where the networks by
 //! hand skip zeros and stay in a core's cache. burn's autodiff computes the gradients, so these
