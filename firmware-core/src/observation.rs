@@ -35,13 +35,13 @@ use crate::geometry::{
 use best::{WORTH, best, rings, worth};
 use explore::outlooks;
 use heapless::Vec;
-use places::{Free, push};
+use surroundings::{Free, push};
 
 mod best;
 pub mod cells;
 mod explore;
 mod form;
-mod places;
+mod surroundings;
 
 pub use form::Form;
 
@@ -298,6 +298,7 @@ impl Claim {
 fn claim(poi: Vec2, scene: &Scene<'_>) -> Claim {
     let mut claim = Claim::Nobody;
     for n in scene.neighbours.as_slice() {
+        // On each axis at most (13 + 18)·1,024 = 31,744 ticks, so the sum of squares stays below 2³¹.
         let (x, y) = (poi.x - n.offset.x, poi.y - n.offset.y);
         if x * x + y * y <= COVER * COVER {
             if !scene.goes_before(n) {

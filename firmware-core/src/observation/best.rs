@@ -32,8 +32,9 @@ const SURE: [i16; 3] = [square(8_909), square(9_574), square(COVER)];
 const SHARED: i16 = 3;
 const WHOLE: i16 = 4;
 
-/// Bonus of a place straight ahead at full speed, in 1/1024: 5 · 64 · 4096 / 2048.
-const AHEAD: i32 = 640;
+/// No bonus for lying ahead is greater, in 1/1024: 5 · 64 · √2 · 8192 / 2048, for a velocity of twice
+/// the cap on both axes.
+const MOST_AHEAD: i32 = 1811;
 
 /// Greatest worth: all PoIs in view, at once.
 pub(super) const WORTH: i32 = HORIZON as i32 * 24;
@@ -136,37 +137,31 @@ pub(super) fn best(pois: &[SeenPoi], worth: &Grid, outlooks: &[i16], velocity: V
     let cap = 2 * SPEED_CAP_U * TICKS_PER_U;
     let (vx, vy) = (velocity.x.clamp(-cap, cap), velocity.y.clamp(-cap, cap));
     let moving = vx * vx + vy * vy > TICKS_PER_U * TICKS_PER_U / 4;
-    // 0.6 of the cosine at full speed, in 1/1024, for a unit vector in 64ths.
-    let ahead = |ux: i32, uy: i32| ((ux * vx + uy * vy) * 5) >> 11;
-    for (row, (line, units)) in worth.iter().zip(&PLACES.ahead).enumerate() {
-        for (column, (&worth, &(ux, uy))) in line.iter().zip(units).enumerate() {
-            let worth = i32::from(worth);
-            // No bonus is greater: twice the cap straight ahead.
-            if worth * (1024 + 2 * AHEAD) <= best.worth << 10 {
-                continue;
-            }
-            let along = if moving { ahead(ux.into(), uy.into()) } else { 0 };
-            let worth = (worth * (1024 + along)) >> 10;
-            if worth > best.worth {
-                (best.worth, best.coarse) = (worth, offset(row, column, COARSE));
-            }
-        }
-    }
-    let found = best.worth;
-    for (k, (&worth, &(ux, uy))) in outlooks.iter().zip(&explore::AROUND).enumerate() {
+    let mut on_grid = false;
+    let mut consider = |worth: i16, (ux, uy): (i32, i32), place: Vec2, of_grid: bool| {
         let worth = i32::from(worth);
-        if worth * (1024 + 2 * AHEAD) <= best.worth << 10 {
-            continue;
+        // Most places are out of the question whatever their bonus.
+        if worth * (1024 + MOST_AHEAD) <= best.worth << 10 {
+            return;
         }
-        let along = if moving { ahead(ux / 16, uy / 16) } else { 0 };
+        // 0.6 of the cosine at full speed, in 1/1024, for a unit vector in 64ths.
+        let along = if moving { ((ux * vx + uy * vy) * 5) >> 11 } else { 0 };
         let worth = (worth * (1024 + along)) >> 10;
         if worth > best.worth {
-            (best.worth, best.coarse) = (worth, explore::place(k));
+            (best.worth, best.coarse, on_grid) = (worth, place, of_grid);
         }
+    };
+    for (row, (line, units)) in worth.iter().zip(&PLACES.ahead).enumerate() {
+        for (column, (&worth, &(ux, uy))) in line.iter().zip(units).enumerate() {
+            consider(worth, (ux.into(), uy.into()), offset(row, column, COARSE), true);
+        }
+    }
+    for (&worth, &unit) in outlooks.iter().zip(&explore::AROUND) {
+        consider(worth, (unit.0 / 16, unit.1 / 16), explore::place(unit), false);
     }
     if best.worth > 0 {
         best.fine = best.coarse;
-        if best.worth == found {
+        if on_grid {
             (best.fine, best.count) = refine(pois, best.coarse);
         }
         let wanted = within_cap(best.fine);

@@ -83,9 +83,8 @@ impl Points {
 static PLACES: Points = Points::new(2 * FAR_U);
 static HINTS: Points = Points::new(4 * HINT_U);
 
-/// The place in a direction, ticks.
-pub(super) fn place(direction: usize) -> Vec2 {
-    let (ux, uy) = AROUND.get(direction).copied().unwrap_or_default();
+/// The place along one of [`AROUND`], ticks.
+pub(super) const fn place((ux, uy): (i32, i32)) -> Vec2 {
     Vec2 { x: ux * FAR_U, y: uy * FAR_U }
 }
 

@@ -210,7 +210,7 @@ proptest! {
     #[test]
     fn an_observation_is_what_the_table_says(
         (x, y) in (0..=SIDE, 0..=SIDE),
-        velocity in near(5),
+        velocity in prop_oneof![near(5), near(12)],
         (id, tie) in (0u16..30, any::<i8>()),
         around in prop::collection::vec(neighbour(), 0..24),
         offsets in prop::collection::vec(near(15), 0..70),
