@@ -40,7 +40,7 @@ pub use evaluate::{Evaluation, evaluate, evaluate_with, policy_seed};
 pub use metrics::EpisodeMetrics;
 pub use policy::Policy;
 pub use scenario::{Law, Scenario, ScenarioError};
-pub use shipped::{SHIPPED, shipped};
+pub use shipped::{SHIPPED, open_actor};
 pub use sight::{Links, Observer};
 pub use sights::{ObservationForm, OfSights, Sights, SightsMut, SightsRef};
 pub use snapshot::Snapshot;

@@ -91,16 +91,14 @@ fn apply(settings: &mut Settings, assignments: &[String]) -> Result<()> {
 
 /// The actor of a `--model`, and what to call it.
 fn read_actor(model: Option<&Path>) -> Result<(Vec<u8>, String)> {
-    match (covey_env::shipped(model), model) {
-        (Some((bytes, name)), _) => Ok((bytes.to_vec(), name)),
-        (None, model) => {
-            let file = model.unwrap_or_else(|| Path::new(""));
-            Ok((read(file)?, file.display().to_string()))
-        }
-    }
+    covey_env::open_actor(model).map_err(|e| unreadable(model.unwrap_or_else(|| Path::new("gcn")), &e))
 }
 
 /// A file's bytes.
 fn read(path: &Path) -> Result<Vec<u8>> {
-    std::fs::read(path).map_err(|e| miette::miette!("cannot read {}: {e}", path.display()))
+    std::fs::read(path).map_err(|e| unreadable(path, &e))
+}
+
+fn unreadable(path: &Path, e: &std::io::Error) -> miette::Report {
+    miette::miette!("cannot read {}: {e}", path.display())
 }

@@ -1,9 +1,9 @@
 //! Options that flights have in common.
 
-use super::actor_file::{self, ActorFileError};
+use super::actor_file::ActorFileError;
 use crate::node::{Order, Timing};
 use crate::signing::{Key, LinkSigning, Session, StateFile, Timestamp, Unsigned};
-use covey_env::shipped;
+use covey_env::open_actor;
 use miette::{IntoDiagnostic as _, Result, WrapErr as _, miette};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -23,13 +23,9 @@ pub struct ActorArgs {
 impl ActorArgs {
     /// The file's bytes and its name.
     pub(super) fn read(&self) -> Result<(Vec<u8>, PathBuf), ActorFileError> {
-        match shipped(self.actor.as_deref()) {
-            Some((bytes, name)) => Ok((bytes.to_vec(), name.into())),
-            None => {
-                let path = self.actor.clone().unwrap_or_default();
-                Ok((actor_file::read(&path)?, path))
-            }
-        }
+        let path = || self.actor.clone().unwrap_or_default();
+        let read = open_actor(self.actor.as_deref());
+        read.map(|(bytes, name)| (bytes, name.into())).map_err(|source| ActorFileError::Read { path: path(), source })
     }
 }
 

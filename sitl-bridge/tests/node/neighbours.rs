@@ -89,33 +89,28 @@ fn neighbour_teleports() {
     assert!(rejected(&a, "suspicious") >= 4, "{:?}", a.node.counters());
 }
 
+/// UAV 1 of [`two`] after it has flown on over `TICKS`, while it also heard `twin`.
+fn beside_a_twin(mut twin: Flight) -> Flight {
+    let (mut a, mut b) = two();
+    twin.until(60, |f| f.node.stage() == Stage::Flying);
+    let before = a.vehicle.setpoints.len();
+    for _ in 0..TICKS {
+        for frame in twin.tick() {
+            a.hear_swarm(&frame);
+        }
+        together(&mut a, &mut b, 1, |_| true);
+    }
+    flew_on(&a, before);
+    a
+}
+
 #[test]
 fn id_collision() {
     // Another says that it is 2, from somewhere else.
-    let (mut a, mut b) = two();
-    let mut twin = uav(2, 92.0, |_| {});
-    twin.until(60, |f| f.node.stage() == Stage::Flying);
-    let before = a.vehicle.setpoints.len();
-    for _ in 0..TICKS {
-        for frame in twin.tick() {
-            a.hear_swarm(&frame);
-        }
-        together(&mut a, &mut b, 1, |_| true);
-    }
-    flew_on(&a, before);
+    let a = beside_a_twin(uav(2, 92.0, |_| {}));
     assert!(a.decisions.iter().all(|d| d.neighbours().len() <= 1), "one id, one neighbour");
     // Another says that it is 1, as this UAV does.
-    let (mut a, mut b) = two();
-    let mut twin = uav(1, 104.0, |_| {});
-    twin.until(60, |f| f.node.stage() == Stage::Flying);
-    let before = a.vehicle.setpoints.len();
-    for _ in 0..TICKS {
-        for frame in twin.tick() {
-            a.hear_swarm(&frame);
-        }
-        together(&mut a, &mut b, 1, |_| true);
-    }
-    flew_on(&a, before);
+    let a = beside_a_twin(uav(1, 104.0, |_| {}));
     assert!(rejected(&a, "id_collision") + rejected(&a, "own_id") > 10, "{:?}", a.node.counters());
     assert!(a.decisions.iter().all(|d| d.neighbours() == [2]), "only the real neighbour counts");
 }
