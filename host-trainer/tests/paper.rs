@@ -177,10 +177,8 @@ fn what_cannot_be_compared_is_refused() {
     let whole = fs::read(&actor).expect("an actor");
     fs::write(&actor, b"nothing").expect("written");
     refuse(&mut quick(&out, &one), &["no sound actor", "evaluation.json"]);
-    // A run without an actor file flies its float policy, and the page says so.
     fs::remove_file(&actor).expect("removed");
-    succeed(&mut quick(&out, &one));
-    assert!(text(&out.join("report.md")).contains("fly as float policies"));
+    refuse(&mut quick(&out, &one), &["no sound actor", "evaluation.json"]);
     fs::write(&actor, whole).expect("written");
     succeed(&mut quick(&out, &one));
     assert!(text(&out.join("report.md")).contains("fly as int8 actors"));

@@ -181,13 +181,7 @@ mod tests {
                 let coverage = 0.3 + 0.2 * seed as f64 + more;
                 let mean = EpisodeMetrics { coverage, ..EpisodeMetrics::default() };
                 let flights = vec![Flight { uavs: 20, mean }];
-                runs.push(RunResult {
-                    graph: graph.into(),
-                    seed: seed as u64,
-                    flown: "int8".into(),
-                    curves: Curves::default(),
-                    flights,
-                });
+                runs.push(RunResult { graph: graph.into(), seed: seed as u64, curves: Curves::default(), flights });
             }
         }
         Group { kind: Kind::Paper, settings: Vec::new(), runs }

@@ -5,7 +5,6 @@ use super::results::{Baseline, Curves, Flight, Group, Results, RunResult, rounde
 use super::{SIZES, WORLDS};
 use crate::any_actor::AnyActor;
 use crate::cli::PolicyArg;
-use crate::float_actor::FloatActor;
 use crate::measure::{Subject, Trial};
 use crate::run::{FolderError, RunFolder};
 use crate::settings::Settings;
@@ -200,13 +199,11 @@ pub fn collect(out: &Path, count: Option<u32>, mut watch: impl FnMut(&str)) -> R
         let worlds = Worlds { count, seed: first.settings.eval_seed };
         let results = runs.iter().map(|run| {
             let name = format!("{} {}", kind.name(), run_name(&run.settings));
-            let (flown, flights) = flights(run, worlds, || watch(&name))?;
             Ok(RunResult {
                 graph: run.settings.graph.0.name().to_owned(),
                 seed: run.settings.seed,
-                flown: flown.to_owned(),
                 curves: curves(&run.folder)?,
-                flights,
+                flights: flights(run, worlds, || watch(&name))?,
             })
         });
         let results = results.collect::<Result<Vec<_>, CollectError>>()?;
@@ -264,29 +261,17 @@ fn curves(folder: &RunFolder) -> Result<Curves, CollectError> {
     }
 }
 
-/// Flights of a run's int8 actor or, where the settings allow of none, its float policy; with
-/// the name of the one that flew.
-fn flights(run: &Run, worlds: Worlds, watch: impl FnOnce()) -> Result<(&'static str, Vec<Flight>), CollectError> {
+/// Flights of a run's int8 actor.
+fn flights(run: &Run, worlds: Worlds, watch: impl FnOnce()) -> Result<Vec<Flight>, CollectError> {
     let (file, flown) = (run.folder.actor(), run.folder.path().join(FLIGHTS));
-    if !file.exists() {
-        let (settings, checkpoint) = run.folder.load()?;
-        let of = format!("float policy after {} rounds", checkpoint.state.rounds);
-        let float = FloatActor::new(&settings, checkpoint.state.average);
-        let flights = cached(&flown, &of, worlds, || {
-            watch();
-            fly(&Subject::Float(&float), &settings, worlds)
-        })?;
-        return Ok(("float", flights));
-    }
     let bad = |why: String| CollectError::Actor { path: file.clone(), why };
     let bytes = std::fs::read(&file).map_err(|e| bad(e.to_string()))?;
     let actor = AnyActor::load(&bytes).map_err(|e| bad(e.to_string()))?;
     let hash = format!("{:016x}", with_actor!(actor, actor => actor.content_hash()));
-    let flights = cached(&flown, &hash, worlds, || {
+    cached(&flown, &hash, worlds, || {
         watch();
         fly(&Subject::of(&actor), &run.settings, worlds)
-    })?;
-    Ok(("int8", flights))
+    })
 }
 
 /// Hand-written policies in the worlds of these settings, kept beside the run folders.

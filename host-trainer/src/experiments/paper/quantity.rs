@@ -209,7 +209,7 @@ mod tests {
             individual: ten(|_| 1.0),
             group: ten(|_| 2.0),
         };
-        RunResult { graph: "gcn".into(), seed: 1, flown: "int8".into(), curves, flights: flights(0.02) }
+        RunResult { graph: "gcn".into(), seed: 1, curves, flights: flights(0.02) }
     }
 
     fn flights(each: f64) -> Vec<Flight> {

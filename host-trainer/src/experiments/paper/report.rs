@@ -70,25 +70,14 @@ fn introduction(results: &Results) -> String {
          within 5 %.\n\n\
          **Numbers.** Curves are means over the rounds of training ({} episodes each), bands 95 % intervals (t) of the mean over seeds. Tables \
          have the\ninterquartile mean over seeds, which leaves the lowest and the highest quarter out, with a 95 % bootstrap interval over seeds \
-         (whole runs are\ndrawn, {} times, from a fixed seed). Policies fly {}, actions drawn, in worlds 0 to {} of seed {}: worlds \
+         (whole runs are\ndrawn, {} times, from a fixed seed). Policies fly as int8 actors, actions drawn, in worlds 0 to {} of seed {}: worlds \
          that no run was trained\non, the same for all.\n",
         results.groups.first().map_or("?", |g| g.setting("worlds")),
         super::statistics::RESAMPLES,
-        flyers(results),
         results.worlds.saturating_sub(1),
         results.world_seed,
     );
     out
-}
-
-/// What of the runs flew.
-fn flyers(results: &Results) -> &'static str {
-    let runs = || results.groups.iter().flat_map(|g| &g.runs);
-    match (runs().any(|r| r.flown == "int8"), runs().any(|r| r.flown == "float")) {
-        (_, false) => "as int8 actors",
-        (false, true) => "as float policies",
-        (true, true) => "as int8 actors, or as float policies where a run has no int8 actor",
-    }
 }
 
 fn summary(found: &[(&Claim, Finding)]) -> String {

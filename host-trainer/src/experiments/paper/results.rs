@@ -176,8 +176,6 @@ pub struct RunResult {
     pub graph: String,
     /// Its seed.
     pub seed: u64,
-    /// What of it flew: "int8", or "float" where it has no int8 actor.
-    pub flown: String,
     /// Its curves.
     pub curves: Curves,
     /// Its policy with other numbers of UAVs.
