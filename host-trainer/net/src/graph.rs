@@ -139,8 +139,11 @@ impl Edges {
     #[inline(always)]
     fn weigh_by_attention(&mut self, a: &Attention, feature: &Rows) {
         for (scores, half) in self.scores.iter_mut().zip([&a.receiver, &a.sender]) {
-            scores.clear();
-            scores.extend(feature.values().chunks_exact(feature.step()).map(|h| dot(h, half)));
+            scores.resize(feature.rows(), 0.0);
+            // A loop: what `extend` calls is compiled apart, without AVX2.
+            for (score, h) in scores.iter_mut().zip(feature.values().chunks_exact(feature.step())) {
+                *score = dot(h, half);
+            }
         }
         self.slopes.clear();
         self.slopes.resize(self.to.len(), 1.0);

@@ -7,8 +7,8 @@
 //! names those that are not and the kernel visits only these. A visit costs one
 //! broadcast and up to eight fused multiply-adds into registers.
 //!
-//! Rows with few zeros go three at a time, zeros included: a weight fetched once serves
-//! three. Adding a zero changes no sum, so this changes no result.
+//! Rows with few zeros go together, zeros included: a weight fetched once serves all of
+//! them. Adding a zero changes no sum, so this changes no result.
 //!
 //! Terms are added in ascending i by fused multiply-adds, whatever the instruction set:
 //! results are the same to the bit on every processor. Without AVX2 and FMA on x86 they are
@@ -23,9 +23,6 @@ use std::ops::{Deref, DerefMut};
 pub const LANES: usize = 8;
 /// Most columns of a product: eight vectors.
 pub const PANEL: usize = 64;
-/// Share of values that count, as a fraction, above which zeros are multiplied too.
-/// Measured.
-const DENSE: (usize, usize) = (2, 3);
 /// Numbers to a cache line.
 const LINE: usize = 16;
 

@@ -1,243 +1,305 @@
 //! The kernel for AVX2 with FMA.
 
-use super::{DENSE, Finish, LANES, Product, Start};
+use super::{Finish, LANES, Product, Start};
 use std::arch::x86_64::{
     __m256, _CMP_LE_OQ, _CMP_NLE_UQ, _mm_cmpeq_epi8, _mm_loadl_epi64, _mm_movemask_epi8, _mm_setzero_si128,
-    _mm256_andnot_ps, _mm256_broadcast_ss, _mm256_cmp_ps, _mm256_cvtepi8_epi32, _mm256_cvtepi32_ps, _mm256_fmadd_ps,
-    _mm256_loadu_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_ps, _mm256_setzero_ps, _mm256_storeu_ps,
+    _mm256_and_ps, _mm256_andnot_ps, _mm256_broadcast_ss, _mm256_cmp_ps, _mm256_cvtepi8_epi32, _mm256_cvtepi32_ps,
+    _mm256_fmadd_ps, _mm256_loadu_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_ps, _mm256_setzero_ps,
+    _mm256_storeu_ps,
 };
+
+/// Terms of a block: a word of marks, and so few weights that they stay in the first-level
+/// cache.
+const TERMS: usize = 64;
 
 /// # Safety
 /// `p.check` must have passed for these arguments and an output that `out` begins.
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-pub unsafe fn run(p: &Product<'_>, start: Start<'_>, finish: Finish<'_>, out: *mut f32, out_step: usize) {
-    // SAFETY: as promised by the caller.
-    unsafe {
-        match p.columns / LANES {
-            1 => rows::<1>(p, start, finish, out, out_step),
-            2 => rows::<2>(p, start, finish, out, out_step),
-            3 => rows::<3>(p, start, finish, out, out_step),
-            4 => rows::<4>(p, start, finish, out, out_step),
-            5 => rows::<5>(p, start, finish, out, out_step),
-            6 => rows::<6>(p, start, finish, out, out_step),
-            7 => rows::<7>(p, start, finish, out, out_step),
-            _ => rows::<8>(p, start, finish, out, out_step),
+pub unsafe fn run(p: &Product<'_>, start: Start<'_>, mut finish: Finish<'_>, out: *mut f32, out_step: usize) {
+    let (vectors, mut first) = (p.columns / LANES, 0);
+    while first < vectors {
+        let n = match vectors - first {
+            few @ (1..=3 | 8) => few,
+            _ => 4,
+        };
+        let blocks = p.terms.div_ceil(TERMS).max(1);
+        for b in 0..blocks {
+            let at = TERMS * b;
+            let terms = (p.terms - at).min(TERMS);
+            let block = Block {
+                start: if b == 0 { start } else { Start::Kept },
+                terms,
+                limit: if terms == TERMS { u64::MAX } else { (1 << terms) - 1 },
+                values: p.values.as_ptr().wrapping_add(at * p.steps[1]),
+                steps: p.steps,
+                masks: &p.masks[b.min(p.masks.len())..],
+                mask_step: p.mask_step,
+                weights: p.weights.as_ptr().wrapping_add(at * p.weight_step + LANES * first),
+                weight_step: p.weight_step,
+                first,
+                out: out.wrapping_add(LANES * first),
+                out_step,
+            };
+            let finish = if b + 1 == blocks { &mut finish } else { &mut Finish::Plain };
+            // SAFETY: as promised by the caller; the block's terms and columns are the product's.
+            unsafe {
+                match n {
+                    1 => block.run::<1, 6>(p.rows, finish),
+                    2 => block.run::<2, 4>(p.rows, finish),
+                    3 => block.run::<3, 3>(p.rows, finish),
+                    4 => block.run::<4, 3>(p.rows, finish),
+                    _ => block.run::<8, 3>(p.rows, finish),
+                }
+            }
         }
+        first += n;
     }
 }
 
-/// # Safety
-/// As for [`run`], with `N` vectors of columns.
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-unsafe fn rows<const N: usize>(
-    p: &Product<'_>,
-    start: Start<'_>,
-    mut finish: Finish<'_>,
+/// Some columns of a product and up to 64 terms of its sums.
+struct Block<'p> {
+    start: Start<'p>,
+    terms: usize,
+    /// A bit for each term.
+    limit: u64,
+    /// Of the first term in row 0.
+    values: *const f32,
+    steps: [usize; 2],
+    /// Of the first row.
+    masks: &'p [u64],
+    mask_step: usize,
+    /// Of the first term.
+    weights: *const f32,
+    weight_step: usize,
+    /// The first vector of columns.
+    first: usize,
+    /// Where that is in row 0 of the output.
     out: *mut f32,
     out_step: usize,
-) {
-    // Weight gradients of inputs that were zero throughout.
-    let additive = p.terms <= 64 && matches!((&start, &finish), (Start::Kept, Finish::Plain));
-    let (mut waiting, mut dense) = (0, [0; 3]);
-    for r in 0..p.rows {
+}
+
+impl Block<'_> {
+    /// All rows; those with few zeros `M` at a time.
+    ///
+    /// # Safety
+    /// As for [`run`], with `N` vectors of columns in the block.
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+    unsafe fn run<const N: usize, const M: usize>(&self, rows: usize, finish: &mut Finish<'_>) {
         // SAFETY: as promised by the caller.
         unsafe {
-            if (N == 8 || N <= 4) && is_dense(p, r) {
+            // Known steps spare multiplications in the innermost loop.
+            match (self.weight_step == LANES * N, self.steps[1] == 1) {
+                (true, true) => self.rows::<N, M, true, true>(rows, finish),
+                (true, false) => self.rows::<N, M, true, false>(rows, finish),
+                (false, _) => self.rows::<N, M, false, false>(rows, finish),
+            }
+        }
+    }
+
+    /// # Safety
+    /// As for [`Self::row`] and all rows.
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+    unsafe fn rows<const N: usize, const M: usize, const PACKED: bool, const SIDE_BY_SIDE: bool>(
+        &self,
+        rows: usize,
+        finish: &mut Finish<'_>,
+    ) {
+        // Weight gradients of inputs that were zero throughout.
+        let additive = matches!((&self.start, &finish), (Start::Kept, Finish::Plain));
+        let most = self.alone::<N>();
+        let (mut waiting, mut dense) = (0, [0; M]);
+        for k in 0..rows + M {
+            // Behind the last row, those that wait.
+            let r = match k.checked_sub(rows) {
+                None => k,
+                Some(k) if k < waiting => dense[k],
+                Some(_) => break,
+            };
+            let mask = self.mask(r);
+            if mask.count_ones() as usize > most && k < rows {
                 dense[waiting] = r;
                 waiting += 1;
-                if waiting == 3 {
-                    three::<N>(p, dense, start, &mut finish, out, out_step);
+                if waiting == M {
+                    // SAFETY: as promised by the caller.
+                    unsafe { self.together::<N, M>(dense, finish) };
                     waiting = 0;
                 }
-            } else if !additive || mask(p, r, 0) != 0 {
-                one::<N>(p, r, start, &mut finish, out, out_step);
+            } else if mask != 0 || !additive {
+                // SAFETY: as promised by the caller.
+                unsafe { self.row::<N, PACKED, SIDE_BY_SIDE>(r, mask, finish) };
             }
         }
     }
-    for r in &dense[..waiting] {
-        // SAFETY: as promised by the caller.
-        unsafe { one::<N>(p, *r, start, &mut finish, out, out_step) };
-    }
-}
 
-/// Row r, without its zeros.
-///
-/// # Safety
-/// As for [`run`], with `N` vectors of columns and a row r.
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-unsafe fn one<const N: usize>(
-    p: &Product<'_>,
-    r: usize,
-    start: Start<'_>,
-    finish: &mut Finish<'_>,
-    out: *mut f32,
-    out_step: usize,
-) {
-    // SAFETY: as promised by the caller.
-    unsafe {
-        // Known steps spare multiplications in the innermost loop.
-        match (p.weight_step == LANES * N, p.steps[1] == 1) {
-            (true, true) => row::<N, true, true>(p, r, start, finish, out, out_step),
-            (true, false) => row::<N, true, false>(p, r, start, finish, out, out_step),
-            (false, _) => row::<N, false, false>(p, r, start, finish, out, out_step),
+    /// So many values of a row may count for it to go alone. Measured: alone, it waits for the
+    /// last addition to each sum, and with few sums that is most of its time.
+    #[inline(always)]
+    const fn alone<const N: usize>(&self) -> usize {
+        match N {
+            8 => self.terms * 2 / 3,
+            4 => self.terms * 2 / 5,
+            _ => self.terms / 4,
         }
     }
-}
 
-/// Rows that have few zeros, zeros included: a weight fetched once serves three.
-///
-/// # Safety
-/// As for [`run`], with `N` vectors of columns and these rows.
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-unsafe fn three<const N: usize>(
-    p: &Product<'_>,
-    rows: [usize; 3],
-    start: Start<'_>,
-    finish: &mut Finish<'_>,
-    out: *mut f32,
-    out_step: usize,
-) {
-    // SAFETY: as promised by the caller.
-    unsafe {
-        // Twelve sums and what they need fill the registers.
-        if N == 8 {
-            part::<4>(p, rows, 0, start, finish, out, out_step);
-            part::<4>(p, rows, 4, start, finish, out, out_step);
-        } else {
-            part::<N>(p, rows, 0, start, finish, out, out_step);
-        }
+    /// Marks of row r.
+    #[inline(always)]
+    fn mask(&self, r: usize) -> u64 {
+        // Without terms there are no masks.
+        self.masks.get(r * self.mask_step).map_or(0, |mask| mask & self.limit)
     }
-}
 
-/// Row r, without its zeros.
-///
-/// # Safety
-/// As for [`run`], with `N` vectors of columns; if `PACKED`, rows of weights follow each
-/// other, and if `SIDE_BY_SIDE`, the values of a row do.
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-unsafe fn row<const N: usize, const PACKED: bool, const SIDE_BY_SIDE: bool>(
-    p: &Product<'_>,
-    r: usize,
-    start: Start<'_>,
-    finish: &mut Finish<'_>,
-    out: *mut f32,
-    out_step: usize,
-) {
-    let step = if SIDE_BY_SIDE { 1 } else { p.steps[1] };
-    let weight_step = if PACKED { LANES * N } else { p.weight_step };
-    // SAFETY: `check` saw that row r of every slice is within it up to the last block,
-    // and `limit` drops bits beyond the last term, so that every i is within too.
-    unsafe {
-        let row = out.add(r * out_step);
-        let mut sums = match start {
-            Start::Zero => [_mm256_setzero_ps(); N],
-            Start::Kept => load::<N>(row),
-            Start::Bias(bias) => load::<N>(bias.as_ptr()),
-        };
-        for b in 0..p.terms.div_ceil(64) {
-            let mut mask = mask(p, r, b);
-            let values = p.values.as_ptr().add(r * p.steps[0] + 64 * b * step);
-            let weights = p.weights.as_ptr().add(64 * b * weight_step);
-            // Two at a time, counted: a tenth faster than bit by bit.
-            for _ in 0..mask.count_ones() / 2 {
-                let first = mask.trailing_zeros() as usize;
-                mask &= mask - 1;
-                let second = mask.trailing_zeros() as usize;
-                mask &= mask - 1;
-                add(&mut sums, values.add(first * step), weights.add(first * weight_step));
-                add(&mut sums, values.add(second * step), weights.add(second * weight_step));
-            }
-            if mask != 0 {
-                let last = mask.trailing_zeros() as usize;
-                add(&mut sums, values.add(last * step), weights.add(last * weight_step));
-            }
-        }
-        close(&mut sums, finish, r, 0);
-        for (k, s) in sums.into_iter().enumerate() {
-            _mm256_storeu_ps(row.add(LANES * k), s);
-        }
-    }
-}
-
-/// Whether so many values of row r count that all may as well be multiplied.
-///
-/// # Safety
-/// As for [`run`], with a row r.
-#[inline]
-#[target_feature(enable = "popcnt")]
-unsafe fn is_dense(p: &Product<'_>, r: usize) -> bool {
-    let mut needed = (p.terms * DENSE.0 / DENSE.1) as u32;
-    for b in 0..p.terms.div_ceil(64) {
-        // The way out keeps the compiler from vectorising a loop of a few words.
-        // SAFETY: as promised by the caller.
-        needed = match needed.checked_sub(unsafe { mask(p, r, b) }.count_ones()) {
-            None => return true,
-            Some(left) => left,
-        };
-    }
-    false
-}
-
-/// Marks of row r in block `b`.
-///
-/// # Safety
-/// As for [`run`], with a row r and a block `b`.
-#[inline(always)]
-unsafe fn mask(p: &Product<'_>, r: usize, b: usize) -> u64 {
-    // SAFETY: as promised by the caller.
-    unsafe { *p.masks.get_unchecked(r * p.mask_step + b) & p.limit(b) }
-}
-
-/// `N` vectors of columns of three rows, from vector `first`.
-///
-/// # Safety
-/// As for [`run`], with `first + N` vectors of columns and these rows.
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-unsafe fn part<const N: usize>(
-    p: &Product<'_>,
-    rows: [usize; 3],
-    first: usize,
-    start: Start<'_>,
-    finish: &mut Finish<'_>,
-    out: *mut f32,
-    out_step: usize,
-) {
-    // SAFETY: as promised by the caller.
-    unsafe {
-        let out = out.add(LANES * first);
-        let mut sums = [[_mm256_setzero_ps(); N]; 3];
-        for (sums, r) in sums.iter_mut().zip(rows) {
-            *sums = match start {
-                Start::Zero => [_mm256_setzero_ps(); N],
-                Start::Kept => load::<N>(out.add(r * out_step)),
-                Start::Bias(bias) => load::<N>(bias.as_ptr().add(LANES * first)),
-            };
-        }
-        let [mut a, mut b, mut c] = rows.map(|r| p.values.as_ptr().wrapping_add(r * p.steps[0]));
-        let mut w = p.weights.as_ptr().add(LANES * first);
-        for _ in 0..p.terms {
-            let v = [_mm256_broadcast_ss(&*a), _mm256_broadcast_ss(&*b), _mm256_broadcast_ss(&*c)];
-            for k in 0..N {
-                let w = _mm256_loadu_ps(w.add(LANES * k));
-                for (sums, v) in sums.iter_mut().zip(v) {
-                    sums[k] = _mm256_fmadd_ps(v, w, sums[k]);
+    /// Row r, without its zeros.
+    ///
+    /// # Safety
+    /// As for [`run`], with `N` vectors of columns in the block and a row r that has these
+    /// marks; if `PACKED`, rows of weights follow each other, and if `SIDE_BY_SIDE`, the values
+    /// of a row do.
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+    unsafe fn row<const N: usize, const PACKED: bool, const SIDE_BY_SIDE: bool>(
+        &self,
+        r: usize,
+        mut mask: u64,
+        finish: &mut Finish<'_>,
+    ) {
+        let step = if SIDE_BY_SIDE { 1 } else { self.steps[1] };
+        let weight_step = if PACKED { LANES * N } else { self.weight_step };
+        let (values, weights) = (self.values.wrapping_add(r * self.steps[0]), self.weights);
+        // SAFETY: `check` saw that row r of every slice is within it, and `limit` drops bits
+        // beyond the last term, so that every term is within too.
+        unsafe {
+            let mut sums = self.begin::<N>(r, 0);
+            // Four at a time, counted: faster than bit by bit.
+            for _ in 0..mask.count_ones() / 4 {
+                for _ in 0..4 {
+                    let i = take(&mut mask);
+                    add(&mut sums, values.add(i * step), weights.add(i * weight_step));
                 }
             }
-            // Beyond the last term nothing is read.
-            (a, b, c) = (a.wrapping_add(p.steps[1]), b.wrapping_add(p.steps[1]), c.wrapping_add(p.steps[1]));
-            w = w.wrapping_add(p.weight_step);
+            while mask != 0 {
+                let i = take(&mut mask);
+                add(&mut sums, values.add(i * step), weights.add(i * weight_step));
+            }
+            self.end(sums, r, 0, finish);
         }
-        for (mut sums, r) in sums.into_iter().zip(rows) {
-            close(&mut sums, finish, r, first);
-            for (k, s) in sums.into_iter().enumerate() {
-                _mm256_storeu_ps(out.add(r * out_step + LANES * k), s);
+    }
+
+    /// Rows that have few zeros, zeros included: a weight fetched once serves them all.
+    ///
+    /// # Safety
+    /// As for [`run`], with `N` vectors of columns in the block and these rows.
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+    unsafe fn together<const N: usize, const M: usize>(&self, rows: [usize; M], finish: &mut Finish<'_>) {
+        // SAFETY: as promised by the caller.
+        unsafe {
+            // Twelve sums and what they need fill the registers.
+            if N == 8 {
+                self.part::<4, M>(rows, 0, finish);
+                self.part::<4, M>(rows, 4, finish);
+            } else {
+                self.part::<N, M>(rows, 0, finish);
             }
         }
     }
+
+    /// `N` vectors of columns of some rows, from the block's vector `more`.
+    ///
+    /// # Safety
+    /// As for [`run`], with `more + N` vectors of columns in the block and these rows.
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+    unsafe fn part<const N: usize, const M: usize>(&self, rows: [usize; M], more: usize, finish: &mut Finish<'_>) {
+        // SAFETY: as promised by the caller.
+        unsafe {
+            let mut sums: [[__m256; N]; M] = [[_mm256_setzero_ps(); N]; M];
+            for (sums, r) in sums.iter_mut().zip(rows) {
+                *sums = self.begin(r, more);
+            }
+            let mut values = rows.map(|r| self.values.wrapping_add(r * self.steps[0]));
+            let mut weights = self.weights.wrapping_add(LANES * more);
+            for _ in 0..self.terms {
+                let mut v = [_mm256_setzero_ps(); M];
+                for (v, from) in v.iter_mut().zip(&mut values) {
+                    *v = _mm256_broadcast_ss(&**from);
+                    // Beyond the last term nothing is read.
+                    *from = from.wrapping_add(self.steps[1]);
+                }
+                for k in 0..N {
+                    let w = _mm256_loadu_ps(weights.add(LANES * k));
+                    for (sums, v) in sums.iter_mut().zip(v) {
+                        sums[k] = _mm256_fmadd_ps(v, w, sums[k]);
+                    }
+                }
+                weights = weights.wrapping_add(self.weight_step);
+            }
+            for (sums, r) in sums.into_iter().zip(rows) {
+                self.end(sums, r, more, finish);
+            }
+        }
+    }
+
+    /// What the sums of row r start from, those from the block's vector `more`.
+    ///
+    /// # Safety
+    /// As for [`run`], with `more + N` vectors of columns in the block and a row r.
+    #[inline]
+    #[target_feature(enable = "avx2,fma")]
+    unsafe fn begin<const N: usize>(&self, r: usize, more: usize) -> [__m256; N] {
+        // SAFETY: as promised by the caller.
+        unsafe {
+            match self.start {
+                Start::Zero => [_mm256_setzero_ps(); N],
+                Start::Kept => load(self.out.add(r * self.out_step + LANES * more)),
+                Start::Bias(bias) => load(bias.as_ptr().add(LANES * (self.first + more))),
+            }
+        }
+    }
+
+    /// Finishes and stores what [`Self::begin`] began.
+    ///
+    /// # Safety
+    /// As for [`Self::begin`].
+    #[inline]
+    #[target_feature(enable = "avx2,fma")]
+    unsafe fn end<const N: usize>(&self, mut sums: [__m256; N], r: usize, more: usize, finish: &mut Finish<'_>) {
+        let (zero, first) = (_mm256_setzero_ps(), self.first + more);
+        match finish {
+            Finish::Plain => {}
+            Finish::Relu { masks, step } => {
+                let mut mask = 0;
+                for (k, s) in sums.iter_mut().enumerate() {
+                    let keep = _mm256_cmp_ps::<_CMP_NLE_UQ>(*s, zero);
+                    mask |= u64::from(_mm256_movemask_ps(keep) as u32) << (LANES * (first + k));
+                    *s = _mm256_and_ps(keep, *s);
+                }
+                // SAFETY: as promised by the caller.
+                let word = unsafe { masks.get_unchecked_mut(r * *step) };
+                *word = if first == 0 { mask } else { *word | mask };
+            }
+            Finish::Gate { active, step } => {
+                for (k, s) in sums.iter_mut().enumerate() {
+                    // SAFETY: as promised by the caller.
+                    let a = unsafe { _mm256_loadu_ps(active.as_ptr().add(r * *step + LANES * (first + k))) };
+                    *s = _mm256_andnot_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, zero), *s);
+                }
+            }
+        }
+        for (k, s) in sums.into_iter().enumerate() {
+            // SAFETY: as promised by the caller.
+            unsafe { _mm256_storeu_ps(self.out.add(r * self.out_step + LANES * (more + k)), s) };
+        }
+    }
+}
+
+/// The lowest bit that is set, which is cleared.
+#[inline(always)]
+const fn take(mask: &mut u64) -> usize {
+    let i = mask.trailing_zeros() as usize;
+    *mask &= mask.wrapping_sub(1);
+    i
 }
 
 /// # Safety
@@ -259,36 +321,6 @@ unsafe fn add<const N: usize>(sums: &mut [__m256; N], v: *const f32, w: *const f
         let v = _mm256_broadcast_ss(&*v);
         for (k, s) in sums.iter_mut().enumerate() {
             *s = _mm256_fmadd_ps(v, _mm256_loadu_ps(w.add(LANES * k)), *s);
-        }
-    }
-}
-
-/// # Safety
-/// `check` must have passed for `finish` with a row `r`; `sums` are its vectors from
-/// `first`.
-#[inline]
-#[target_feature(enable = "avx2,fma")]
-unsafe fn close<const N: usize>(sums: &mut [__m256; N], finish: &mut Finish<'_>, r: usize, first: usize) {
-    let zero = _mm256_setzero_ps();
-    match finish {
-        Finish::Plain => {}
-        Finish::Relu { masks, step } => {
-            let mut mask = 0;
-            for (k, s) in sums.iter_mut().enumerate() {
-                let keep = _mm256_cmp_ps::<_CMP_NLE_UQ>(*s, zero);
-                mask |= u64::from(_mm256_movemask_ps(keep) as u32) << (LANES * (first + k));
-                *s = _mm256_andnot_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(*s, zero), *s);
-            }
-            // SAFETY: as promised by the caller.
-            let word = unsafe { masks.get_unchecked_mut(r * *step) };
-            *word = if first == 0 { mask } else { *word | mask };
-        }
-        Finish::Gate { active, step } => {
-            for (k, s) in sums.iter_mut().enumerate() {
-                // SAFETY: as promised by the caller.
-                let a = unsafe { _mm256_loadu_ps(active.as_ptr().add(r * *step + LANES * (first + k))) };
-                *s = _mm256_andnot_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, zero), *s);
-            }
         }
     }
 }
