@@ -133,6 +133,13 @@ macro_rules! settings {
                 None
             }
 
+            /// The settings that a TOML text does not name.
+            #[must_use]
+            pub fn unnamed(text: &str) -> Vec<&'static str> {
+                let table: toml::Table = text.parse().unwrap_or_default();
+                [$(stringify!($key)),*].into_iter().filter(|key| !table.contains_key(*key)).collect()
+            }
+
             /// The settings as a commented TOML file.
             #[must_use]
             pub fn to_toml(&self) -> String {

@@ -4,6 +4,7 @@
 mod common;
 
 use common::{TINY, checkpoints, copy, everything, refuse, resume, succeed, train, trainer};
+use host_trainer::run::Checkpoint;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -159,6 +160,20 @@ fn a_run_whose_settings_were_edited_names_the_key() {
     }
     fs::write(&config, original).expect("written");
     succeed(resume(&out).arg("--quiet"));
+}
+
+/// Another version's defaults must not slip into a run that began without them.
+#[test]
+fn a_checkpoint_that_does_not_tell_all_settings_is_refused() {
+    let (_folder, out) = run();
+    let newest = checkpoints(&out).pop().expect("a checkpoint");
+    let mut checkpoint = Checkpoint::from_bytes(&fs::read(&newest).expect("read")).expect("sound");
+    let lines = checkpoint.settings.lines().filter(|l| !l.starts_with("uavs_most =") && !l.starts_with("gamma ="));
+    checkpoint.settings = lines.map(|l| format!("{l}\n")).collect();
+    fs::write(&newest, checkpoint.to_bytes()).expect("written");
+    let before = everything(&out);
+    refuse(&mut resume(&out), &["uavs_most", "gamma", "start a new run", "--config"]);
+    assert!(everything(&out) == before, "the run was touched");
 }
 
 /// Below a file and in a folder of the kernel nobody can make a folder, root neither.

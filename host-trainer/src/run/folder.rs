@@ -47,6 +47,17 @@ pub enum FolderError {
         /// In the checkpoint.
         checkpoint: String,
     },
+    /// The checkpoint does not tell all settings.
+    #[error(
+        "the checkpoint of {path} was made before there were the settings {keys}, so it cannot go on as it began; \
+         start a new run with --config {path}/config.toml --out elsewhere"
+    )]
+    Older {
+        /// The run folder.
+        path: PathBuf,
+        /// The settings that it does not tell.
+        keys: String,
+    },
 }
 
 /// The paths of a run.
@@ -97,6 +108,10 @@ impl RunFolder {
     pub fn load(&self) -> Result<(Settings, Checkpoint), FolderError> {
         let settings = self.settings()?;
         let checkpoint = Checkpoint::newest(&self.checkpoints())?;
+        let unnamed = Settings::unnamed(&checkpoint.settings);
+        if !unnamed.is_empty() {
+            return Err(FolderError::Older { path: self.0.clone(), keys: unnamed.join(", ") });
+        }
         let mut stored = Settings::default();
         stored.merge(&checkpoint.settings, "the checkpoint's settings")?;
         if let Some((key, config, made)) = settings.first_difference(&stored) {
