@@ -19,7 +19,9 @@ from operator import mul
 from typing import NamedTuple
 
 MAGIC, VERSION, HEADER, TRAILER = b"COVEYACT", 1, 16, 4
-OBSERVATION_FORM, OBSERVATION, ACTIONS = 2, 160, 17
+COMPACT, CELLS, ACTIONS = 2, 100, 17
+OBSERVATION = {COMPACT: 160, CELLS: 1116}
+VELOCITY, MAX_ACTIVE = 24, 120
 NEIGHBOURS, MAX_FEATURE, MAX_ROWS, MAX_BIAS = 16, 64, 128, 1 << 24
 SELF_TESTS = 8
 AGGREGATIONS = ("none", "gcn", "gat")
@@ -131,10 +133,10 @@ def parse(data):
     )  # fmt: skip
     require(r.at == len(data), "the record ends too late")
     require(not any(body.align), "the padding before the weights is not zero")
-    require(body.observation == OBSERVATION_FORM, f"it wants observation form {body.observation}")
+    require(body.observation in OBSERVATION, f"it wants observation form {body.observation}")
     require(body.aggregation < len(AGGREGATIONS), "its aggregation is unknown")
     observation, hidden, feature, head, actions = body.widths
-    sound = observation == OBSERVATION and actions == ACTIONS
+    sound = observation == OBSERVATION[body.observation] and actions == ACTIONS
     sound &= 1 <= hidden <= MAX_ROWS and 1 <= head <= MAX_ROWS
     sound &= 2 <= feature <= MAX_FEATURE and feature % 2 == 0
     require(sound, f"its widths {body.widths} cannot be flown")
@@ -182,6 +184,9 @@ class Layer:
             # Odd bytes are row a; even bytes are row b with the top bit turned over.
             self.weights.append(signed_bytes(both[1::2])[:columns])
             self.weights.append(signed_bytes(b ^ 128 for b in both[0::2])[:columns])
+        self.take_tables(tables, rows)
+
+    def take_tables(self, tables, rows):
         self.biases = struct.unpack(f"<{rows}i", tables.take(4 * rows))
         self.multipliers = struct.unpack(f"<{rows}i", tables.take(4 * rows))
         sound = all(abs(b) <= MAX_BIAS for b in self.biases) and min(self.multipliers) >= 0
@@ -197,6 +202,20 @@ class Layer:
     def wide(self, x):
         """16 bits, in 1/256 of a doubling."""
         return [clamp(requantise(s << 4, m), -32768, 32767) for s, m in zip(self.sums(x), self.multipliers)]
+
+
+class CellsLayer(Layer):
+    """The first layer of an actor that observes cells: of each input the weights of all rows."""
+
+    def __init__(self, weights, tables, rows, columns):
+        padded = (rows + 7) // 8 * 8
+        packed = weights.take(columns * padded)
+        self.weights = [signed_bytes(packed[at : at + rows]) for at in range(0, len(packed), padded)]
+        self.take_tables(tables, rows)
+
+    def sums(self, x):
+        factors = [(VELOCITY, x.east), (VELOCITY + 1, x.north)] + [(i, 127) for i in x.ones]
+        return [sum(v * self.weights[i][r] for i, v in factors) + b for r, b in enumerate(self.biases)]
 
 
 def root(square, halvings):
@@ -226,6 +245,14 @@ class Feature(NamedTuple):
     attended: int
 
 
+class Cells(NamedTuple):
+    """An observation in cells: the velocity, and the inputs that are one."""
+
+    east: int
+    north: int
+    ones: list
+
+
 class Neighbour(NamedTuple):
     degree: int
     attended: int
@@ -236,6 +263,7 @@ class Actor:
     def __init__(self, body):
         observation, hidden, self.feature, head, actions = body.widths
         self.aggregation = AGGREGATIONS[body.aggregation]
+        self.form = body.observation
         self.multiplier = body.aggregate_multiplier
         graphed = self.aggregation != "none"
         weights, tables = Record(body.weights), Record(body.tables)
@@ -243,7 +271,8 @@ class Actor:
         def layer(rows, columns):
             return Layer(weights, tables, rows, columns)
 
-        self.encoder = [layer(hidden, observation), layer(self.feature, hidden)]
+        first = CellsLayer if self.form == CELLS else Layer
+        self.encoder = [first(weights, tables, hidden, observation), layer(self.feature, hidden)]
         self.attention = layer(2, self.feature) if self.aggregation == "gat" else None
         self.graph = layer(self.feature, self.feature) if graphed else None
         self.head = layer(head, (1 + graphed) * self.feature)
@@ -289,11 +318,23 @@ def sample(logits, draw):
 # Proof.
 
 
+def observed(r, form):
+    """The observation that a self-test vector begins with."""
+    if form == COMPACT:
+        return signed_bytes(r.take(OBSERVATION[COMPACT]))
+    (count,) = r.take(1)
+    east, north = signed_bytes(r.take(2))
+    ones = struct.unpack(f"<{count}H", r.take(2 * count))
+    right = all(i < OBSERVATION[CELLS] and i not in (VELOCITY, VELOCITY + 1) for i in ones)
+    require(count <= MAX_ACTIVE and right, "a self-test vector is malformed")
+    return Cells(east, north, ones)
+
+
 def self_test(actor, data):
     """Recomputes the vectors of the file; returns how many there are."""
     r, count = Record(data), 0
     while r.at < len(data):
-        observation = signed_bytes(r.take(OBSERVATION))
+        observation = observed(r, actor.form)
         degree, neighbours = r.take(2)
         require(1 <= degree <= NEIGHBOURS + 1 and neighbours <= NEIGHBOURS, "a self-test vector is malformed")
         heard = []
@@ -331,13 +372,26 @@ class Xoshiro128:
         return result
 
 
+def drawn(random, form):
+    """A pseudo-random observation."""
+    if form == COMPACT:
+        draws = [random.next() for _ in range(OBSERVATION[COMPACT])]
+        seen = signed_bytes(r >> 8 & 255 for r in draws)
+        return [0 if r & 3 == 0 else max(o, -127) for r, o in zip(draws, seen)]
+
+    def below(n):
+        return random.next() * n >> 32
+
+    east, north = below(255) - 127, below(255) - 127
+    ones = [below(OBSERVATION[CELLS] - 2) for _ in range(below(MAX_ACTIVE + 1))]
+    return Cells(east, north, [i if i < VELOCITY else i + 2 for i in ones])
+
+
 def signature(actor, cases):
     fnv = Fnv()
     for case in range(cases):
         random = Xoshiro128(0x5160_0000_0000 | case)
-        draws = [random.next() for _ in range(OBSERVATION)]
-        seen = signed_bytes(r >> 8 & 255 for r in draws)
-        own = actor.encode([0 if r & 3 == 0 else max(o, -127) for r, o in zip(draws, seen)])
+        own = actor.encode(drawn(random, actor.form))
         heard = []
         for _ in range(case % (NEIGHBOURS + 1)):
             values = [random.next() >> 25 for _ in range(MAX_FEATURE)][: actor.feature]

@@ -5,7 +5,7 @@
 mod checks;
 mod common;
 
-use common::tiny_actor;
+use common::{cells_actor, tiny_actor};
 use firmware_core::actor::{Actor, Aggregation};
 use firmware_core::geometry::{State, Vec2};
 use firmware_core::link::{Hear, MAX_REQUEST, Observe, Request, Setup};
@@ -136,6 +136,7 @@ fn seeds_are_what_this_code_writes() {
         ("actor_file", "tiny-none", tiny_actor(Aggregation::None, 1)),
         ("actor_file", "tiny-gcn", tiny_actor(Aggregation::Gcn, 2)),
         ("actor_file", "tiny-gat", tiny),
+        ("actor_file", "cells-gcn", cells_actor(Aggregation::Gcn, 4)),
         ("neighbour_message", "beacon", beacon(7, 65_535, 84_000)),
         ("neighbour_message", "wide-feature", message_bytes(&Message::Feature(wide))),
         ("neighbour_message", "crowd", heard(&crowd)),

@@ -3,9 +3,9 @@
 
 mod common;
 
-use common::{sample_actor, tiny_actor};
+use common::{cells_actor, sample_actor, tiny_actor};
 use firmware_core::actor::file::at_start_of;
-use firmware_core::actor::{Actor, Aggregation, LoadError, argmax, signature};
+use firmware_core::actor::{Actor, Aggregation, CellsActor, LoadError, argmax, signature};
 use proptest::prelude::*;
 
 const KINDS: [(Aggregation, &str); 3] =
@@ -32,15 +32,19 @@ fn the_committed_files_are_what_this_code_writes() {
     }
 }
 
-/// The fuzz targets fly it.
+/// The fuzz targets fly the first; the second observes cells.
 #[test]
-fn the_committed_tiny_file_is_what_this_code_writes() {
-    let file = tiny_actor(Aggregation::Gat, 3);
-    if std::env::var_os("COVEY_BLESS").is_some() {
-        std::fs::write(path("tiny-gat"), &file).unwrap();
+fn the_other_committed_files_are_what_this_code_writes() {
+    let (tiny, cells) = (tiny_actor(Aggregation::Gat, 3), cells_actor(Aggregation::Gcn, 4));
+    for (file, name) in [(&tiny, "tiny-gat"), (&cells, "cells-gcn")] {
+        if std::env::var_os("COVEY_BLESS").is_some() {
+            std::fs::write(path(name), file).unwrap();
+        }
+        assert!(std::fs::read(path(name)).unwrap() == *file, "{name} differs");
     }
-    assert!(std::fs::read(path("tiny-gat")).unwrap() == file);
-    Actor::load(&file).unwrap().self_test().unwrap();
+    Actor::load(&tiny).unwrap().self_test().unwrap();
+    CellsActor::load(&cells).unwrap().self_test().unwrap();
+    assert!(matches!(Actor::load(&cells), Err(LoadError::Observation { found: 100, .. })));
 }
 
 #[test]

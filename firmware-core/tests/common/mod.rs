@@ -5,12 +5,13 @@ use firmware_core::action::ACTIONS;
 use firmware_core::actor::file::Body;
 use firmware_core::actor::layer::Layer;
 use firmware_core::actor::{
-    Actor, Aggregation, Dimensions, Logits, NeighbourFeature, Provenance, SELF_TESTS, write_self_test,
+    Aggregation, Dimensions, Flown, FormActor, Logits, NeighbourFeature, Provenance, SELF_TESTS, write_self_test,
 };
+use firmware_core::observation::cells::{self, Cells, MAX_ACTIVE};
 use firmware_core::observation::{LEN, Observation};
 
 /// splitmix64: tests need no better, and nothing else that could change under them.
-struct Random(u64);
+pub struct Random(u64);
 
 impl Random {
     fn next(&mut self) -> u32 {
@@ -29,14 +30,47 @@ impl Random {
 const SMALL: Dimensions =
     Dimensions { observation: LEN as u16, hidden: 24, feature: 16, head: 24, actions: ACTIONS as u16 };
 
+/// An observation for a self-test vector.
+pub trait Sampled: Flown {
+    /// A pseudo-random one.
+    fn sampled(random: &mut Random) -> Self;
+
+    /// Weights of a first layer of this many rows.
+    fn weights(random: &mut Random, rows: usize) -> Vec<u8> {
+        (0..Self::weight_bytes(rows)).map(|_| random.byte() as u8).collect()
+    }
+}
+
+impl Sampled for Observation {
+    fn sampled(random: &mut Random) -> Self {
+        core::array::from_fn(|_| random.byte().max(-127))
+    }
+}
+
+impl Sampled for Cells {
+    fn sampled(random: &mut Random) -> Self {
+        let velocity = [random.byte(), random.byte()].map(|v| v.max(-127));
+        let count = random.next() as usize % (MAX_ACTIVE + 1);
+        // Past the two velocities.
+        let ones: Vec<u16> =
+            (0..count).map(|_| (random.next() % 1114) as u16).map(|i| if i < 24 { i } else { i + 2 }).collect();
+        Self::new(velocity, ones)
+    }
+
+    fn weights(random: &mut Random, rows: usize) -> Vec<u8> {
+        let padded = rows.next_multiple_of(8);
+        (0..Self::weight_bytes(rows)).map(|k| if k % padded < rows { random.byte() as u8 } else { 0 }).collect()
+    }
+}
+
 /// One self-test vector with the logits that `logits` gives.
-fn vector(
+fn vector<O: Sampled>(
     random: &mut Random,
     width: u16,
-    logits: impl Fn(&Observation, u8, &[NeighbourFeature<'_>]) -> Logits,
+    logits: impl Fn(&O, u8, &[NeighbourFeature<'_>]) -> Logits,
     neighbours: usize,
 ) -> Vec<u8> {
-    let observation: Observation = core::array::from_fn(|_| random.byte().max(-127));
+    let observation = O::sampled(random);
     let heads: Vec<(u8, i16)> =
         (0..neighbours).map(|_| (1 + (random.next() % 17) as u8, i16::from(random.byte()) * 16)).collect();
     let values: Vec<Vec<i8>> = heads.iter().map(|_| (0..width).map(|_| random.byte() & 127).collect()).collect();
@@ -53,20 +87,30 @@ fn vector(
 
 /// A small actor file of this kind; another seed is another policy.
 pub fn sample_actor(aggregation: Aggregation, seed: u64) -> Vec<u8> {
-    actor_of(SMALL, aggregation, seed)
+    actor_of::<Observation>(SMALL, aggregation, seed)
+}
+
+/// A small actor that observes cells. Its hidden rows are no multiple of 8: there is padding.
+pub fn cells_actor(aggregation: Aggregation, seed: u64) -> Vec<u8> {
+    let dimensions = Dimensions { observation: cells::LEN as u16, hidden: 5, feature: 4, head: 6, ..SMALL };
+    actor_of::<Cells>(dimensions, aggregation, seed)
 }
 
 /// The smallest actor there can be.
 pub fn tiny_actor(aggregation: Aggregation, seed: u64) -> Vec<u8> {
-    actor_of(Dimensions { hidden: 1, feature: 2, head: 1, ..SMALL }, aggregation, seed)
+    actor_of::<Observation>(Dimensions { hidden: 1, feature: 2, head: 1, ..SMALL }, aggregation, seed)
 }
 
 /// An actor file of any widths.
-pub fn actor_of(dimensions: Dimensions, aggregation: Aggregation, seed: u64) -> Vec<u8> {
+pub fn actor_of<O: Sampled>(dimensions: Dimensions, aggregation: Aggregation, seed: u64) -> Vec<u8> {
     let mut random = Random(seed);
     let (mut weights, mut tables) = (Vec::new(), Vec::new());
-    for (rows, columns) in dimensions.layers(aggregation) {
-        weights.extend((0..Layer::weight_bytes(rows, columns)).map(|_| random.byte() as u8));
+    for (k, (rows, columns)) in dimensions.layers(aggregation).enumerate() {
+        if k == 0 {
+            weights.extend(O::weights(&mut random, rows));
+        } else {
+            weights.extend((0..Layer::weight_bytes(rows, columns)).map(|_| random.byte() as u8));
+        }
         // Multipliers bring a typical sum back into the range of int8.
         tables.extend((0..rows).flat_map(|_| (i32::from(random.byte()) * 8).to_le_bytes()));
         tables.extend((0..rows).flat_map(|_| (4_000_000 + i32::from(random.byte()) * 8192).to_le_bytes()));
@@ -75,7 +119,7 @@ pub fn actor_of(dimensions: Dimensions, aggregation: Aggregation, seed: u64) -> 
         align: &[],
         weights: &weights,
         tables: &tables,
-        observation: firmware_core::observation::ID,
+        observation: O::ID,
         aggregation,
         dimensions,
         tie_period: 4,
@@ -85,9 +129,9 @@ pub fn actor_of(dimensions: Dimensions, aggregation: Aggregation, seed: u64) -> 
         content_hash: 0,
     };
     // Twice: the logits come from the actor itself, which first has to load.
-    let vectors = |actor: Option<&Actor<'_>>| -> Vec<u8> {
+    let vectors = |actor: Option<&FormActor<'_, O>>| -> Vec<u8> {
         let mut random = Random(!seed);
-        let logits = |o: &Observation, degree: u8, neighbours: &[NeighbourFeature<'_>]| {
+        let logits = |o: &O, degree: u8, neighbours: &[NeighbourFeature<'_>]| {
             actor.map_or([0; ACTIONS], |a| a.logits(&a.encode(o), degree, neighbours.iter().copied()))
         };
         (0..SELF_TESTS).flat_map(|k| vector(&mut random, dimensions.feature, logits, 2 * k)).collect()
@@ -101,7 +145,7 @@ pub fn actor_of(dimensions: Dimensions, aggregation: Aggregation, seed: u64) -> 
     let blank = vectors(None);
     body.self_tests = &blank;
     let draft = store(&body);
-    let known = vectors(Some(&Actor::load(&draft).unwrap()));
+    let known = vectors(Some(&FormActor::load(&draft).unwrap()));
     body.self_tests = &known;
     store(&body)
 }
