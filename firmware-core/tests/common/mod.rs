@@ -87,22 +87,26 @@ fn vector<O: Sampled>(
 
 /// A small actor file of this kind; another seed is another policy.
 pub fn sample_actor(aggregation: Aggregation, seed: u64) -> Vec<u8> {
-    actor_of::<Observation>(SMALL, aggregation, seed)
+    actor_of(SMALL, aggregation, seed)
 }
 
 /// A small actor that observes cells. Its hidden rows are no multiple of 8: there is padding.
 pub fn cells_actor(aggregation: Aggregation, seed: u64) -> Vec<u8> {
     let dimensions = Dimensions { observation: cells::LEN as u16, hidden: 5, feature: 4, head: 6, ..SMALL };
-    actor_of::<Cells>(dimensions, aggregation, seed)
+    made::<Cells>(dimensions, aggregation, seed)
 }
 
 /// The smallest actor there can be.
 pub fn tiny_actor(aggregation: Aggregation, seed: u64) -> Vec<u8> {
-    actor_of::<Observation>(Dimensions { hidden: 1, feature: 2, head: 1, ..SMALL }, aggregation, seed)
+    actor_of(Dimensions { hidden: 1, feature: 2, head: 1, ..SMALL }, aggregation, seed)
 }
 
 /// An actor file of any widths.
-pub fn actor_of<O: Sampled>(dimensions: Dimensions, aggregation: Aggregation, seed: u64) -> Vec<u8> {
+pub fn actor_of(dimensions: Dimensions, aggregation: Aggregation, seed: u64) -> Vec<u8> {
+    made::<Observation>(dimensions, aggregation, seed)
+}
+
+fn made<O: Sampled>(dimensions: Dimensions, aggregation: Aggregation, seed: u64) -> Vec<u8> {
     let mut random = Random(seed);
     let (mut weights, mut tables) = (Vec::new(), Vec::new());
     for (k, (rows, columns)) in dimensions.layers(aggregation).enumerate() {
