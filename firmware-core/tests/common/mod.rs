@@ -7,7 +7,7 @@ use firmware_core::actor::layer::Layer;
 use firmware_core::actor::{
     Aggregation, Dimensions, Flown, FormActor, Logits, NeighbourFeature, Provenance, SELF_TESTS, write_self_test,
 };
-use firmware_core::observation::cells::{self, Cells, MAX_ACTIVE};
+use firmware_core::observation::cells::{self, Cells, MAX_ACTIVE, VELOCITY};
 use firmware_core::observation::{LEN, Observation};
 
 /// splitmix64: tests need no better, and nothing else that could change under them.
@@ -52,9 +52,8 @@ impl Sampled for Cells {
         let velocity = [random.byte(), random.byte()].map(|v| v.max(-127));
         let count = random.next() as usize % (MAX_ACTIVE + 1);
         // Past the two velocities.
-        let ones: Vec<u16> =
-            (0..count).map(|_| (random.next() % 1114) as u16).map(|i| if i < 24 { i } else { i + 2 }).collect();
-        Self::new(velocity, ones)
+        let ones = (0..count).map(|_| random.next() as usize % (cells::LEN - 2));
+        Self::new(velocity, ones.map(|i| if i < VELOCITY { i } else { i + 2 } as u16))
     }
 
     fn weights(random: &mut Random, rows: usize) -> Vec<u8> {

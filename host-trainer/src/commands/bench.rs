@@ -105,7 +105,7 @@ fn measure(
         Some(trainer) => (trainer, by_device.map(median)),
         None => (on_cpu, cpu),
     };
-    let other = trainer.device();
+    let device = trainer.device();
     let mut failed = None;
     let against = args.against.as_ref().map(|command| {
         take_turns(command, args.marker.as_deref(), repeats, || {
@@ -135,7 +135,7 @@ fn measure(
         update_agent_steps_per_s: update,
         train_agent_steps_per_s: train,
         cpu_agent_steps_per_s: (args.device != DeviceArg::Cpu).then_some(cpu),
-        device: other,
+        device,
         update_multiply_adds: work,
         update_gflops: gflops,
         fma_peak_gflops: peak,

@@ -108,12 +108,12 @@ impl RunFolder {
     pub fn load(&self) -> Result<(Settings, Checkpoint), FolderError> {
         let settings = self.settings()?;
         let checkpoint = Checkpoint::newest(&self.checkpoints())?;
+        let mut stored = Settings::default();
+        stored.merge(&checkpoint.settings, "the checkpoint's settings")?;
         let unnamed = Settings::unnamed(&checkpoint.settings);
         if !unnamed.is_empty() {
             return Err(FolderError::Older { path: self.0.clone(), keys: unnamed.join(", ") });
         }
-        let mut stored = Settings::default();
-        stored.merge(&checkpoint.settings, "the checkpoint's settings")?;
         if let Some((key, config, made)) = settings.first_difference(&stored) {
             return Err(FolderError::OtherSettings { path: self.0.clone(), key, config, checkpoint: made });
         }
