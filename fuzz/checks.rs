@@ -3,13 +3,15 @@
 
 use firmware_core::action::ACTIONS;
 use firmware_core::actor::file::{Body, HEADER};
-use firmware_core::actor::{Actor, CellsActor, Flown, FormActor, MAX_FEATURE, NeighbourFeature, argmax, sample};
+use firmware_core::actor::{
+    Actor, ActorInput, CellsActor, MAX_FEATURE, NeighbourFeature, QuantisedActor, argmax, sample,
+};
 use firmware_core::geometry::Vec2;
-use firmware_core::link::{MAX_REQUEST, Request, Server, Setup, frame_len, seal};
 use firmware_core::message::{MAX_LEN, Message};
-use firmware_core::neighbour_table::{Moment, NeighbourTable, Policy};
+use firmware_core::neighbour_table::{Moment, NeighbourTable, PolicyId};
 use firmware_core::observation::cells::{Cells, MAX_ACTIVE};
 use firmware_core::observation::{LEN, MAX_NEIGHBOURS, Neighbours};
+use firmware_core::pil::{MAX_REQUEST, Request, Server, Setup, frame_len, seal};
 use serde::ser::{Serialize, SerializeTuple, Serializer};
 use std::cell::RefCell;
 
@@ -37,15 +39,15 @@ fn fly_either_form(file: &[u8]) {
 }
 
 /// Takes an actor to its extremes. Sums that overflow would panic here.
-fn fly<O: Flown>(actor: &FormActor<'_, O>, observations: [O; 3]) {
+fn fly<O: ActorInput>(actor: &QuantisedActor<'_, O>, observations: [O; 3]) {
     let _ = actor.self_test();
     let width = usize::from(actor.dimensions().feature);
     for observation in observations {
         let own = actor.encode(&observation);
         assert!(own.values.iter().all(|&v| v >= 0));
-        for (value, attended) in [(-128, i16::MIN), (127, i16::MAX)] {
+        for (value, attention_source) in [(-128, i16::MIN), (127, i16::MAX)] {
             let values = [value; MAX_FEATURE];
-            let neighbour = NeighbourFeature { values: &values[..width], degree: value as u8, attended };
+            let neighbour = NeighbourFeature { values: &values[..width], degree: value as u8, attention_source };
             for count in [0, 1, MAX_NEIGHBOURS, MAX_NEIGHBOURS + 1] {
                 let logits = actor.logits(&own, count as u8 + 1, std::iter::repeat_n(neighbour, count));
                 assert!(usize::from(argmax(&logits).index()) < ACTIONS);
@@ -59,7 +61,7 @@ fn fly<O: Flown>(actor: &FormActor<'_, O>, observations: [O; 3]) {
 ///
 /// The data are records: ms that pass (i16), length (u8), that many bytes heard.
 pub fn neighbour_message(data: &[u8]) {
-    let mut table = NeighbourTable::new(0, Policy { hash: 0x0101_0101, width: 2 }, 2000);
+    let mut table = NeighbourTable::new(0, PolicyId { hash: 0x0101_0101, width: 2 }, 2000);
     let mut view = Neighbours::new();
     let (mut rest, mut time_ms) = (data, 0u32);
     check_message(data);
@@ -92,7 +94,7 @@ fn check_message(bytes: &[u8]) -> Option<Message> {
 ///
 /// The data are records: kind and length (u16: the top bit is the kind), that many bytes. They come over the
 /// line as they are, or as the record of an intact frame.
-pub fn actor_link(data: &[u8]) {
+pub fn pil(data: &[u8]) {
     BOARD.with_borrow_mut(|server| talk(server, data));
 }
 

@@ -5,10 +5,10 @@
 use firmware_core::actor::{Actor, Feature, Mode};
 use firmware_core::geometry::{State, TICKS_PER_U, Vec2};
 use firmware_core::message::{self, Beacon, Header, MAX_LEN, Message};
-use firmware_core::neighbour_table::{DEFAULT_STEP_MS, Moment, NeighbourTable, Policy};
+use firmware_core::neighbour_table::{DEFAULT_STEP_MS, Moment, NeighbourTable, PolicyId};
 use firmware_core::observation::{Neighbours, Scene, observe};
 
-/// Policy seed: the same on every UAV of the swarm.
+/// PolicyId seed: the same on every UAV of the swarm.
 const SEED: u64 = 10;
 /// Half the side of the map, ticks.
 const HALF_SIDE: i32 = 100 * TICKS_PER_U;
@@ -24,7 +24,7 @@ struct Node<'a> {
 
 impl<'a> Node<'a> {
     fn new(id: u16, actor: Actor<'a>, state: State) -> Self {
-        let table = NeighbourTable::new(id, Policy::of(&actor), DEFAULT_STEP_MS);
+        let table = NeighbourTable::new(id, PolicyId::of(&actor), DEFAULT_STEP_MS);
         Self { id, actor, table, view: Neighbours::new(), state, own: None }
     }
 

@@ -20,22 +20,22 @@
 mod bounds;
 mod clock;
 mod fence;
+mod fingerprint;
 mod inputs;
 mod limits;
 mod monitor;
 mod reason;
 mod shape;
-mod signature;
 pub mod telemetry;
 mod vector;
 mod watch;
 
 pub use fence::{Circle, Fence, FenceError, MAX_CORNERS};
+pub use fingerprint::{FINGERPRINT_TICKS, fingerprint};
 pub use inputs::{Inputs, Limited, Measured, Mode, Proposal, Request, Setpoint, Verdict};
 pub use limits::{Limits, LimitsError, SwarmLoss};
 pub use reason::{Action, Clears, Clock, Reason};
 pub use shape::ROUNDING_MM_S;
-pub use signature::{SIGNATURE_TICKS, signature};
 pub use vector::{POSITION_LIMIT_MM, RATE_LIMIT, Vector};
 
 use bounds::Bounds;

@@ -6,9 +6,9 @@
 //! byte in `docs/messages.md`, and exactly one form: two different byte strings never
 //! mean the same. There is no checksum inside; the link below has one.
 
-use crate::actor::{self, Flown, FormActor, MAX_DEGREE, MAX_FEATURE};
+use crate::actor::{self, ActorInput, MAX_DEGREE, MAX_FEATURE, QuantisedActor};
 use crate::geometry::{COORDINATE_LIMIT, State, Vec2};
-use crate::neighbour_table::Policy;
+use crate::neighbour_table::PolicyId;
 use heapless::Vec;
 
 /// Version of both layouts, the first byte of a message.
@@ -93,7 +93,7 @@ pub struct Feature {
     header: Header,
     degree: u8,
     actor: u32,
-    attended: i16,
+    attention_source: i16,
     values: Vec<i8, MAX_FEATURE>,
 }
 
@@ -101,18 +101,24 @@ impl Feature {
     /// A feature of 1 to [`MAX_FEATURE`] `values`.
     ///
     /// `degree` is the number of neighbours kept plus one for the sender itself (1 to
-    /// [`MAX_DEGREE`]), `actor` the content hash of the policy, `attended` the sender's
+    /// [`MAX_DEGREE`]), `actor` the content hash of the policy, `attention_source` the sender's
     /// half of the attention score (0 where the policy has none).
     ///
     /// # Errors
     /// [`MessageError::Degree`] or [`MessageError::Width`] when one is out of range.
-    pub fn new(header: Header, degree: u8, actor: u32, attended: i16, values: &[i8]) -> Result<Self, MessageError> {
+    pub fn new(
+        header: Header,
+        degree: u8,
+        actor: u32,
+        attention_source: i16,
+        values: &[i8],
+    ) -> Result<Self, MessageError> {
         if !(1..=MAX_DEGREE).contains(&degree) {
             return Err(MessageError::Degree(degree));
         }
         let width = u8::try_from(values.len()).unwrap_or(u8::MAX);
         match Vec::from_slice(values) {
-            Ok(values) if !values.is_empty() => Ok(Self { header, degree, actor, attended, values }),
+            Ok(values) if !values.is_empty() => Ok(Self { header, degree, actor, attention_source, values }),
             _ => Err(MessageError::Width(width)),
         }
     }
@@ -120,10 +126,15 @@ impl Feature {
     /// What a UAV with this policy, own feature and degree (itself included, taken as 1 to
     /// [`MAX_DEGREE`]) broadcasts; `None` when the policy uses no features of others.
     #[must_use]
-    pub fn of<O: Flown>(header: Header, degree: u8, actor: &FormActor<'_, O>, own: &actor::Feature) -> Option<Self> {
-        let width = usize::from(Policy::of(actor).width);
+    pub fn of<O: ActorInput>(
+        header: Header,
+        degree: u8,
+        actor: &QuantisedActor<'_, O>,
+        own: &actor::Feature,
+    ) -> Option<Self> {
+        let width = usize::from(PolicyId::of(actor).width);
         let values = own.values.get(..width)?;
-        Self::new(header, degree.clamp(1, MAX_DEGREE), actor.message_hash(), own.attended, values).ok()
+        Self::new(header, degree.clamp(1, MAX_DEGREE), actor.message_hash(), own.attention_source, values).ok()
     }
 
     /// Who sent it and when.
@@ -146,8 +157,8 @@ impl Feature {
 
     /// The sender's half of the attention score; 0 where the policy has none.
     #[must_use]
-    pub const fn attended(&self) -> i16 {
-        self.attended
+    pub const fn attention_source(&self) -> i16 {
+        self.attention_source
     }
 
     /// The values, 1 to [`MAX_FEATURE`] of them.
@@ -237,7 +248,7 @@ impl Message {
                 put(buffer, 1, [KIND_FEATURE]);
                 put(buffer, 10, [f.degree]);
                 put(buffer, 11, f.actor.to_le_bytes());
-                put(buffer, 15, f.attended.to_le_bytes());
+                put(buffer, 15, f.attention_source.to_le_bytes());
                 put(buffer, 17, [f.values.len() as u8]);
                 for (out, v) in buffer.iter_mut().skip(FEATURE_HEAD_LEN).zip(&f.values) {
                     *out = v.to_le_bytes()[0];
@@ -299,8 +310,8 @@ fn decode_feature(bytes: &[u8]) -> Result<Feature, MessageError> {
         *out = i8::from_le_bytes([v]);
     }
     let signed = signed.get(..values.len()).unwrap_or_default();
-    let (actor, attended) = (u32::from_le_bytes(get(head, 11)), i16::from_le_bytes(get(head, 15)));
-    Feature::new(decode_header(head), degree, actor, attended, signed)
+    let (actor, attention_source) = (u32::from_le_bytes(get(head, 11)), i16::from_le_bytes(get(head, 15)));
+    Feature::new(decode_header(head), degree, actor, attention_source, signed)
 }
 
 fn decode_header(bytes: &[u8]) -> Header {

@@ -12,7 +12,7 @@
 
 mod entry;
 
-use crate::actor::{Aggregation, Flown, FormActor, MAX_FEATURE, NeighbourFeature};
+use crate::actor::{ActorInput, Aggregation, MAX_FEATURE, NeighbourFeature, QuantisedActor};
 use crate::geometry::{SPEED_CAP_U, Vec2};
 use crate::message::{Beacon, Feature, Message};
 use crate::observation::{MAX_NEIGHBOURS, Neighbours};
@@ -45,17 +45,17 @@ pub struct Moment {
 
 /// The policy whose features a table takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Policy {
+pub struct PolicyId {
     /// Its content hash.
     pub hash: u32,
     /// Values of its features, up to [`MAX_FEATURE`]; 0 when it uses none.
     pub width: u8,
 }
 
-impl Policy {
+impl PolicyId {
     /// That of an actor.
     #[must_use]
-    pub fn of<O: Flown>(actor: &FormActor<'_, O>) -> Self {
+    pub fn of<O: ActorInput>(actor: &QuantisedActor<'_, O>) -> Self {
         let width = match actor.aggregation() {
             Aggregation::None => 0,
             // Loading bounds it by 64.
@@ -65,8 +65,8 @@ impl Policy {
     }
 }
 
-/// What became of a message. The order of the variants is part of the actor link's protocol
-/// (see [`crate::link`]).
+/// What became of a message. The order of the variants is part of the PIL protocol's protocol
+/// (see [`crate::pil`]).
 #[must_use]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Answer {
@@ -114,7 +114,7 @@ impl Answer {
 pub struct NeighbourTable {
     own_id: u16,
     step_ms: u16,
-    policy: Policy,
+    policy: PolicyId,
     entries: Vec<Entry, MAX_NEIGHBOURS>,
 }
 
@@ -122,12 +122,12 @@ impl NeighbourTable {
     /// An empty table of UAV `own_id`. `step_ms` is the length of a step, 1 to
     /// [`STEP_MS_LIMIT`] (what is outside counts as the nearest).
     #[must_use]
-    pub const fn new(own_id: u16, policy: Policy, step_ms: u16) -> Self {
+    pub const fn new(own_id: u16, policy: PolicyId, step_ms: u16) -> Self {
         Self { own_id, step_ms: valid_step(step_ms), policy, entries: Vec::new() }
     }
 
     /// Becomes [`Self::new`] in place, for boards whose stack has no room for a table.
-    pub fn reset(&mut self, own_id: u16, policy: Policy, step_ms: u16) {
+    pub fn reset(&mut self, own_id: u16, policy: PolicyId, step_ms: u16) {
         (self.own_id, self.policy, self.step_ms) = (own_id, policy, valid_step(step_ms));
         self.entries.clear();
     }

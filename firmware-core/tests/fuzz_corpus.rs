@@ -8,9 +8,9 @@ mod common;
 use common::{cells_actor, tiny_actor};
 use firmware_core::actor::{Actor, Aggregation};
 use firmware_core::geometry::{State, Vec2};
-use firmware_core::link::{Hear, MAX_REQUEST, Observe, Request, Setup};
 use firmware_core::message::{Beacon, Feature, Header, MAX_LEN, Message};
 use firmware_core::neighbour_table::Moment;
+use firmware_core::pil::{Hear, MAX_REQUEST, Observe, Request, Setup};
 use rand_xoshiro::Xoshiro128PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use std::fs;
@@ -73,7 +73,7 @@ fn neighbour_messages() {
 
 #[test]
 fn actor_links() {
-    run("actor_link", checks::actor_link);
+    run("pil", checks::pil);
 }
 
 const NOW: Moment = Moment { step: 3, time_ms: 6000 };
@@ -97,7 +97,7 @@ fn heard(messages: &[Vec<u8>]) -> Vec<u8> {
     messages.iter().flat_map(|m| [&[0xc0, 0x05, m.len() as u8][..], m].concat()).collect()
 }
 
-/// Records of `checks::actor_link`.
+/// Records of `checks::pil`.
 fn asked(requests: &[Request<'_>]) -> Vec<u8> {
     let mut out = Vec::new();
     for request in requests {
@@ -141,8 +141,8 @@ fn seeds_are_what_this_code_writes() {
         ("neighbour_message", "wide-feature", message_bytes(&Message::Feature(wide))),
         ("neighbour_message", "crowd", heard(&crowd)),
         ("neighbour_message", "jump", heard(&[beacon(1, 0, 1472), beacon(9, 1, 2944), beacon(9, 2, 4416)])),
-        ("actor_link", "flight", asked(&flight)),
-        ("actor_link", "status", asked(&[Request::Status, Request::SelfTest])),
+        ("pil", "flight", asked(&flight)),
+        ("pil", "status", asked(&[Request::Status, Request::SelfTest])),
     ];
     for (target, name, bytes) in seeds {
         let path = corpus(target).join(name);

@@ -3,7 +3,7 @@
 
 use firmware_core::geometry::{State, TICKS_PER_U, Vec2};
 use firmware_core::message::{Beacon, Feature, Header, Message};
-use firmware_core::neighbour_table::{Answer, DEFAULT_STEP_MS, Moment, NeighbourTable, Policy};
+use firmware_core::neighbour_table::{Answer, DEFAULT_STEP_MS, Moment, NeighbourTable, PolicyId};
 use firmware_core::observation::{MAX_NEIGHBOURS, Neighbour, Neighbours, Scene, observe};
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -11,7 +11,7 @@ use std::collections::HashMap;
 
 const OWN: u16 = 0;
 const STEP_MS: u32 = DEFAULT_STEP_MS as u32;
-const POLICY: Policy = Policy { hash: 0xc0ff_ee00, width: 4 };
+const POLICY: PolicyId = PolicyId { hash: 0xc0ff_ee00, width: 4 };
 const HERE: Vec2 = Vec2 { x: 100 * TICKS_PER_U, y: 100 * TICKS_PER_U };
 
 fn table() -> NeighbourTable {
@@ -206,7 +206,7 @@ fn features_need_a_beacon_the_same_policy_and_its_width() {
     let all: Vec<_> = t.features(&seen, 5).collect();
     assert_eq!(all.len(), 1);
     let (id, f) = all[0];
-    assert_eq!((id, f.degree, f.attended, f.values), (3, 3, -7, &[0i8; 4][..]));
+    assert_eq!((id, f.degree, f.attention_source, f.values), (3, 3, -7, &[0i8; 4][..]));
 }
 
 #[test]

@@ -5,7 +5,7 @@ mod common;
 
 use common::{cells_actor, sample_actor, tiny_actor};
 use firmware_core::actor::file::at_start_of;
-use firmware_core::actor::{Actor, Aggregation, CellsActor, LoadError, argmax, signature};
+use firmware_core::actor::{Actor, Aggregation, CellsActor, LoadError, argmax, fingerprint};
 use proptest::prelude::*;
 
 const KINDS: [(Aggregation, &str); 3] =
@@ -55,7 +55,7 @@ fn samples_pass_their_self_test_and_differ() {
             let file = made(aggregation);
             let actor = Actor::load(&file).unwrap();
             actor.self_test().unwrap();
-            signature(&actor, 50)
+            fingerprint(&actor, 50)
         })
         .collect();
     assert!(signatures[0] != signatures[1] && signatures[1] != signatures[2]);

@@ -3,7 +3,7 @@
 mod paper;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use covey_env::radio::LinkSettings;
+use covey_env::radio::RadioSettings;
 use firmware_core::observation::LEN;
 use std::path::PathBuf;
 
@@ -54,7 +54,7 @@ pub enum Command {
     /// Measure how fast this machine trains.
     #[command(after_help = "Examples:\n  host-trainer bench\n  host-trainer bench --graph gat --threads 1 --json\n  \
         host-trainer bench --against ./other.sh --stage env --repeats 5\n  \
-        host-trainer bench --device cuda --set worlds=512 --set minibatch=16000")]
+        host-trainer bench --device cuda --set num_envs=512 --set minibatch=16000")]
     Bench(Bench),
     /// List every setting of a training run with its default and meaning.
     #[command(after_help = "Example:\n  host-trainer settings > my.toml")]
@@ -72,9 +72,9 @@ pub enum GraphArg {
     Gat,
 }
 
-/// Law of the PoIs on the command line.
+/// PoiDistribution of the PoIs on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum LawArg {
+pub enum DistributionArg {
     /// Around three centres.
     Clustered,
     /// All over the map.
@@ -211,9 +211,9 @@ pub struct Eval {
     /// to the area as with 20 UAVs (or as many as the run was trained with).
     #[arg(long)]
     pub same_density: bool,
-    /// Law of the PoIs.
+    /// PoiDistribution of the PoIs.
     #[arg(long, default_value = "clustered")]
-    pub scenario: LawArg,
+    pub scenario: DistributionArg,
     /// Held-out worlds.
     #[arg(long, value_name = "N", default_value_t = 200)]
     pub worlds: u32,
@@ -227,7 +227,7 @@ pub struct Eval {
     /// has 2000 ms); may be repeated, a row each. Settings: loss, burst, delay_ms, jitter_ms,
     /// duplicate, reorder, corrupt, range_u; `perfect` for none of them.
     #[arg(long, value_name = "KEY=V,…", conflicts_with_all = ["policy", "float", "actor"])]
-    pub link: Vec<LinkSettings>,
+    pub link: Vec<RadioSettings>,
     /// Measures the float policy beside the int8 actor, and how often both would choose
     /// the same (needs --run).
     #[arg(long, requires = "run")]
@@ -265,9 +265,9 @@ pub struct ExperimentLink {
     /// UAVs.
     #[arg(long, value_name = "N", default_value_t = Self::default().uavs)]
     pub uavs: u16,
-    /// Law of the PoIs.
+    /// PoiDistribution of the PoIs.
     #[arg(long, default_value = "clustered")]
-    pub scenario: LawArg,
+    pub scenario: DistributionArg,
     /// Held-out worlds for each link.
     #[arg(long, value_name = "N", default_value_t = Self::default().worlds)]
     pub worlds: u32,
@@ -290,7 +290,7 @@ impl Default for ExperimentLink {
         Self {
             model: None,
             uavs: 20,
-            scenario: LawArg::Clustered,
+            scenario: DistributionArg::Clustered,
             worlds: 200,
             seed: 777,
             out: "docs".into(),

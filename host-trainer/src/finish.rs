@@ -4,7 +4,7 @@ use crate::any_actor::AnyActor;
 use crate::float_actor::FloatActor;
 use crate::measure::{EvalRow, Subject, Trial, agreement};
 use crate::quantise::{QuantiseError, quantise, with_provenance};
-use crate::settings::{Settings, law_name};
+use crate::settings::{Settings, distribution_name};
 use crate::train::State;
 use crate::with_actor;
 use firmware_core::actor::{Mode, Provenance};
@@ -54,10 +54,10 @@ pub fn actor_file(s: &Settings, state: &State) -> Result<Finished, QuantiseError
     let float = FloatActor::new(s, state.average.clone());
     let provenance = Provenance {
         trainer: concat!("covey ", env!("CARGO_PKG_VERSION")),
-        scenario: law_name(s.scenario),
+        scenario: distribution_name(s.poi_distribution),
         uavs: s.uavs,
         seed: s.seed,
-        episodes: state.rounds * s.worlds,
+        episodes: state.rounds * s.num_envs,
         worlds: 0,
         float_coverage: 0,
         int8_coverage: 0,

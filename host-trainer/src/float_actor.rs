@@ -2,8 +2,8 @@
 
 use crate::settings::Settings;
 use crate::train::{dimensions, sample};
-use covey_env::{Links, ObservationForm, Observer, Policy, Sights, SightsMut, World};
-use covey_net::{ActorNet, ActorPass, Inputs, Layout, Rows};
+use covey_env::{Neighbourhood, ObservationBatch, ObservationForm, ObservationSliceMut, Observer, Policy, World};
+use covey_net::{ActorNet, ActorPass, Inputs, ParameterLayout, Rows};
 use firmware_core::action::Action;
 use firmware_core::actor::{Aggregation, Dimensions, Mode};
 use firmware_core::random::action_draw;
@@ -20,7 +20,7 @@ pub struct FloatActor {
     /// Steps for which a tie-breaker holds.
     pub tie_period: u32,
     /// Places of the parameters.
-    pub layout: Layout,
+    pub layout: ParameterLayout,
     /// The parameters.
     pub values: Vec<f32>,
 }
@@ -32,7 +32,7 @@ impl FloatActor {
     pub fn new(s: &Settings, mut values: Vec<f32>) -> Self {
         let dimensions = dimensions(s);
         let aggregation = s.graph.0;
-        let layout = Layout::actor(dimensions, aggregation);
+        let layout = ParameterLayout::actor(dimensions, aggregation);
         for piece in layout.pieces().iter().filter(|p| p.name.starts_with("output")) {
             values[piece.start..piece.start + piece.len()].iter_mut().for_each(|v| *v /= s.temperature as f32);
         }
@@ -56,8 +56,8 @@ pub struct FloatPolicy<'n> {
     observer: Observer,
     seed: u64,
     mode: Mode,
-    observations: Sights,
-    links: Vec<Links>,
+    observations: ObservationBatch,
+    links: Vec<Neighbourhood>,
     draws: Vec<f64>,
 }
 
@@ -72,7 +72,7 @@ impl<'n> FloatPolicy<'n> {
             observer: Observer::new(seed, actor.tie_period),
             seed,
             mode,
-            observations: Sights::new(actor.observation, 0),
+            observations: ObservationBatch::new(actor.observation, 0),
             links: Vec::new(),
             draws: Vec::new(),
         }
@@ -82,10 +82,10 @@ impl<'n> FloatPolicy<'n> {
     pub fn look(&mut self, world: &World) -> &ActorPass {
         let n = world.scenario().uavs;
         self.observations.resize(n);
-        self.links.resize(n, Links::default());
+        self.links.resize(n, Neighbourhood::default());
         match self.observations.part_mut(0..n) {
-            SightsMut::Compact(out) => self.observer.observe(world, out, &mut self.links),
-            SightsMut::Cells(out) => self.observer.observe(world, out, &mut self.links),
+            ObservationSliceMut::Compact(out) => self.observer.observe(world, out, &mut self.links),
+            ObservationSliceMut::Cells(out) => self.observer.observe(world, out, &mut self.links),
         }
         self.inputs.clear(n);
         self.inputs.push(&self.observations, &self.links);
@@ -95,7 +95,7 @@ impl<'n> FloatPolicy<'n> {
 
     /// The observations and neighbours of the last [`Self::look`].
     #[must_use]
-    pub fn seen(&self) -> (&Sights, &[Links]) {
+    pub fn seen(&self) -> (&ObservationBatch, &[Neighbourhood]) {
         (&self.observations, &self.links)
     }
 

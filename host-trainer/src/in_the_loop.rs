@@ -1,4 +1,4 @@
-//! Processor in the loop: worlds flown by a board over the actor link, every decision of
+//! Processor in the loop: worlds flown by a board over the PIL protocol, every decision of
 //! it compared with this computer's.
 //!
 //! One board plays all UAVs of a world in turn. It is told each UAV's identity, hears the
@@ -10,13 +10,13 @@
 use crate::measure::Trial;
 use covey_env::policy_seed;
 use covey_env::{ActorPolicy, EpisodeMetrics, World};
-use covey_link::{Client, LinkError, Observed, Turn};
+use covey_pil::{Client, Observed, PilError, Turn};
 use firmware_core::action::Action;
 use firmware_core::actor::{Actor, Aggregation, Logits, Mode};
 use firmware_core::geometry::{COMMUNICATION_RANGE_U, OBSERVATION_RANGE_U, State, Vec2};
-use firmware_core::link::{Decided, Setup};
 use firmware_core::message::{Beacon, Feature, Header, MAX_LEN, Message};
 use firmware_core::neighbour_table::{DEFAULT_STEP_MS, Moment};
+use firmware_core::pil::{Decided, Setup};
 use std::fmt;
 use std::io::{Read, Write};
 
@@ -83,7 +83,7 @@ pub fn fly<S: Read + Write>(
     trial: &Trial,
     world: &mut World,
     index: u64,
-) -> Result<Flown, LinkError> {
+) -> Result<Flown, PilError> {
     world.reset(trial.seed, index);
     let seed = policy_seed(trial.seed, index);
     let mut policy = ActorPolicy::new(*actor, seed, trial.mode);
@@ -101,7 +101,7 @@ pub fn fly<S: Read + Write>(
                 first.get_or_insert(Difference { world: index, step: scene.now.step, uav: i as u16, part });
             }
             decisions += 1;
-            *action = Action::new(decided.action).ok_or(LinkError::Unexpected { request: "decide" })?;
+            *action = Action::new(decided.action).ok_or(PilError::Unexpected { request: "decide" })?;
         }
         world.step(&actions);
     }
@@ -148,7 +148,7 @@ impl Scene {
         world: &World,
         i: usize,
         mode: Mode,
-    ) -> Result<(Observed, Decided), LinkError> {
+    ) -> Result<(Observed, Decided), PilError> {
         let (x, y) = world.position(i);
         let near = world.uavs_within(x, y, COMMUNICATION_RANGE_U as f32 + MARGIN_U).filter(|&j| j != i);
         let (beacons, features): (Vec<_>, Vec<_>) =

@@ -4,13 +4,13 @@ use crate::any_actor::AnyActor;
 use crate::cli::PolicyArg;
 use crate::float_actor::{FloatActor, FloatPolicy, argmax};
 use crate::over_link::LinkRow;
-use crate::settings::law_name;
+use crate::settings::distribution_name;
 use covey_env::baselines::{Centroid, Follower, Greedy, Hover, Planner, Random, RememberingPlanner};
 use covey_env::oracles::{FlyToSites, evaluate_parked};
 use covey_env::policy_seed;
 use covey_env::{ActorPolicy, Evaluation, Policy, Scenario, ScenarioError, World, evaluate};
 use firmware_core::action::Action;
-use firmware_core::actor::{Actor, CellsActor, Flown, FormActor, Mode, argmax as int8_argmax};
+use firmware_core::actor::{Actor, ActorInput, CellsActor, Mode, QuantisedActor, argmax as int8_argmax};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -58,7 +58,7 @@ macro_rules! row {
         pub struct EvalRow {
             /// Whose figures.
             pub policy: String,
-            /// Law of the PoIs.
+            /// PoiDistribution of the PoIs.
             pub scenario: String,
             /// UAVs.
             pub uavs: usize,
@@ -89,7 +89,7 @@ macro_rules! row {
                 let (mean, se) = (evaluation.mean(), evaluation.standard_error());
                 Self {
                     policy: policy.to_owned(),
-                    scenario: law_name(trial.scenario.law).to_owned(),
+                    scenario: distribution_name(trial.scenario.distribution).to_owned(),
                     uavs: trial.scenario.uavs,
                     worlds: trial.worlds,
                     seed: trial.seed,
@@ -207,8 +207,8 @@ impl<'a> Subject<'a> {
 ///
 /// # Errors
 /// When the scenario cannot be built.
-pub fn agreement<O: Flown>(
-    int8: &FormActor<'_, O>,
+pub fn agreement<O: ActorInput>(
+    int8: &QuantisedActor<'_, O>,
     float: &FloatActor,
     trial: &Trial,
 ) -> Result<(u64, u64), ScenarioError> {

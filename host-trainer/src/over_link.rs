@@ -3,8 +3,8 @@
 use crate::measure::{EvalRow, Trial, mode_name};
 use covey_env::Evaluation;
 use covey_env::policy_seed;
-use covey_env::radio::{LinkFigures, LinkSettings, OverLinkError, RadioPolicy, evaluate_over};
-use firmware_core::actor::{Flown, FormActor};
+use covey_env::radio::{RadioFigures, RadioPolicy, RadioSettings, RadioWorldError, evaluate_over};
+use firmware_core::actor::{ActorInput, QuantisedActor};
 use serde::{Deserialize, Serialize};
 
 /// What a link did, in a row.
@@ -35,8 +35,8 @@ pub struct LinkRow {
 }
 
 impl LinkRow {
-    fn new(link: &LinkSettings, figures: &LinkFigures) -> Self {
-        let LinkFigures { counts, taken, refused, malformed, neighbours, known, ghosts, features } = *figures;
+    fn new(link: &RadioSettings, figures: &RadioFigures) -> Self {
+        let RadioFigures { counts, taken, refused, malformed, neighbours, known, ghosts, features } = *figures;
         let share = |n: u64| n as f64 / neighbours.max(1) as f64;
         Self {
             link: link.to_string(),
@@ -59,12 +59,12 @@ impl LinkRow {
 ///
 /// # Errors
 /// When the scenario or the link cannot be.
-pub fn measure<O: Flown>(
-    actor: &FormActor<'_, O>,
+pub fn measure<O: ActorInput>(
+    actor: &QuantisedActor<'_, O>,
     name: &str,
     trial: &Trial,
-    link: &LinkSettings,
-) -> Result<(EvalRow, Evaluation), OverLinkError> {
+    link: &RadioSettings,
+) -> Result<(EvalRow, Evaluation), RadioWorldError> {
     let policy = RadioPolicy::new(*actor, 0, trial.mode, link, trial.scenario.uavs)?;
     let seeds = |index| policy_seed(trial.seed, index);
     let (evaluation, figures) = evaluate_over(&trial.scenario, trial.seed, u64::from(trial.worlds), &policy, seeds)?;

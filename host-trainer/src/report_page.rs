@@ -116,8 +116,8 @@ fn subtitle(data: &Data) -> String {
         s.graph.0.name().to_uppercase(),
         s.uavs,
         s.pois,
-        crate::settings::law_name(s.scenario),
-        s.rounds() * s.worlds,
+        crate::settings::distribution_name(s.poi_distribution),
+        s.rounds() * s.num_envs,
         s.seed
     )
 }

@@ -4,7 +4,7 @@
 
 use covey_env::radio::MAX_NODES;
 use covey_env::random::{below, stream};
-use covey_env::{Law, ObservationForm, Scenario};
+use covey_env::{ObservationForm, PoiDistribution, Scenario};
 use firmware_core::actor::Aggregation;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -158,16 +158,16 @@ settings! {
     /// UAVs in a world.
     uavs: u16 = 20, "1 to 10000", |v| (1..=10_000).contains(v);
     /// Fewest UAVs in the worlds of every second shard: each round draws their number anew, up
-    /// to `uavs_most`. The curves are those of the other worlds.
-    uavs_least: u16 = 10, "1 to 10000", |v| (1..=10_000).contains(v);
+    /// to `uavs_max`. The curves are those of the other worlds.
+    uavs_min: u16 = 10, "1 to 10000", |v| (1..=10_000).contains(v);
     /// Most UAVs in the worlds of every second shard. 0: all worlds have `uavs`.
-    uavs_most: u16 = 40, "0 to 10000", |v| (0..=10_000).contains(v);
+    uavs_max: u16 = 40, "0 to 10000", |v| (0..=10_000).contains(v);
     /// Share of the worlds of every second shard whose PoIs follow the other law.
-    other_law: f64 = 0.25, "0 to 1", |v| (0.0..=1.0).contains(v);
+    other_distribution_share: f64 = 0.25, "0 to 1", |v| (0.0..=1.0).contains(v);
     /// Points of interest in a world.
     pois: u16 = 120, "1 to 60000", |v| (1..=60_000).contains(v);
-    /// Law of the PoIs: "clustered" or "uniform".
-    scenario: Law = Law::Clustered, "\"clustered\" or \"uniform\"", |_| true;
+    /// PoiDistribution of the PoIs: "clustered" or "uniform".
+    poi_distribution: PoiDistribution = PoiDistribution::Clustered, "\"clustered\" or \"uniform\"", |_| true;
     /// Steps of an episode.
     steps: u32 = 100, "1 to 100000", |v| (1..=100_000).contains(v);
     /// Side of the map, u.
@@ -188,18 +188,18 @@ settings! {
     tie_period: u32 = 1_000_000, "1 to 1000000", |v| (1..=1_000_000).contains(v);
     /// Greatest share of messages between UAVs that is lost in training: each episode of each
     /// world draws its own from 0 to this. 0 for a link that loses none.
-    link_loss: f64 = 0.0, "0 to 1", |v| (0.0..=1.0).contains(v);
+    radio_loss: f64 = 0.0, "0 to 1", |v| (0.0..=1.0).contains(v);
     /// Greatest delay of those messages, whole steps: each episode of each world draws its own
     /// from 0 to this.
-    link_delay: u32 = 0, "0 to 2 steps", |v| (0..=2).contains(v);
+    radio_delay: u32 = 0, "0 to 2 steps", |v| (0..=2).contains(v);
     /// Seed of everything random in the run.
     seed: u64 = 10, "0 to 9223372036854775807", |v| i64::try_from(*v).is_ok();
-    /// Training episodes, at most: whole rounds of `worlds`, at least one.
+    /// Training episodes, at most: whole rounds of `num_envs`, at least one.
     episodes: u32 = 6016, "1 to 100000000", |v| (1..=100_000_000).contains(v);
     /// Worlds that run side by side: one round is an episode of each.
-    worlds: u32 = 64, "1 to 65536", |v| (1..=65_536).contains(v);
+    num_envs: u32 = 64, "1 to 65536", |v| (1..=65_536).contains(v);
     /// Steps between updates; must divide `steps`.
-    segment: u32 = 25, "1 to 100000", |v| (1..=100_000).contains(v);
+    rollout_steps: u32 = 25, "1 to 100000", |v| (1..=100_000).contains(v);
     /// Passes over a segment in an update.
     epochs: u32 = 5, "1 to 100", |v| (1..=100).contains(v);
     /// Agent samples in a minibatch (rounded to whole world-steps).
@@ -211,7 +211,7 @@ settings! {
     learning_rate: f64 = 8e-4, "above 0, at most 1", |v| *v > 0.0 && *v <= 1.0;
     /// Share of the learning rate that is left at the end (it falls linearly).
     learning_rate_end: f64 = 0.02, "0 to 1", |v| (0.0..=1.0).contains(v);
-    /// Discount of future reward, per step. 1 with `lambda` 1 and `segment` = `steps` is
+    /// Discount of future reward, per step. 1 with `lambda` 1 and `rollout_steps` = `steps` is
     /// the paper's return.
     gamma: f64 = 0.94, "0 to 1", |v| (0.0..=1.0).contains(v);
     /// Lambda of generalised advantage estimation.
@@ -241,12 +241,12 @@ settings! {
     /// Weight of the observation's own advice at the start: how strongly the policy is pulled
     /// towards the action that flies to the place which the observation names the best
     /// (cross-entropy). It falls linearly to 0; 0 learns without advice.
-    teacher: f64 = 1.0, "0 to 100", |v| (0.0..=100.0).contains(v);
+    cloning_weight: f64 = 1.0, "0 to 100", |v| (0.0..=100.0).contains(v);
     /// Episodes until the advice ends.
-    teacher_episodes: u32 = 960, "1 to 100000000", |v| (1..=100_000_000).contains(v);
+    cloning_episodes: u32 = 960, "1 to 100000000", |v| (1..=100_000_000).contains(v);
     /// Share of the averaged weights kept at each update; the exported actor is this running
     /// average of the trained one. 0 exports the last weights.
-    averaging: f64 = 0.99, "0 to 0.9999", |v| (0.0..=0.9999).contains(v);
+    ema_decay: f64 = 0.99, "0 to 0.9999", |v| (0.0..=0.9999).contains(v);
     /// The exported actor's logits are divided by this: below 1 it draws less at random than
     /// in training, above 1 more.
     temperature: f64 = 0.8, "0.05 to 20", |v| (0.05..=20.0).contains(v);
@@ -302,20 +302,20 @@ impl Value for bool {
 
 /// Its name in settings and on the command line.
 #[must_use]
-pub const fn law_name(law: Law) -> &'static str {
+pub const fn distribution_name(law: PoiDistribution) -> &'static str {
     match law {
-        Law::Clustered => "clustered",
-        Law::Uniform => "uniform",
+        PoiDistribution::Clustered => "clustered",
+        PoiDistribution::Uniform => "uniform",
     }
 }
 
-impl Value for Law {
+impl Value for PoiDistribution {
     const KIND: &'static str = "\"clustered\" or \"uniform\"";
     fn read(v: &toml::Value) -> Option<Self> {
-        [Self::Clustered, Self::Uniform].into_iter().find(|l| v.as_str() == Some(law_name(*l)))
+        [Self::Clustered, Self::Uniform].into_iter().find(|l| v.as_str() == Some(distribution_name(*l)))
     }
     fn show(&self) -> String {
-        format!("{:?}", law_name(*self))
+        format!("{:?}", distribution_name(*self))
     }
 }
 
@@ -349,9 +349,10 @@ fn unknown(key: &str) -> SettingsError {
 impl Settings {
     /// Weight of the advice in update `number` of the run, counted from 0.
     #[must_use]
-    pub fn teacher_at(&self, number: u64) -> f64 {
-        let updates = f64::from(self.teacher_episodes) / f64::from(self.worlds) * f64::from(self.steps / self.segment);
-        self.teacher * (1.0 - number as f64 / updates).max(0.0)
+    pub fn cloning_weight_at(&self, number: u64) -> f64 {
+        let updates =
+            f64::from(self.cloning_episodes) / f64::from(self.num_envs) * f64::from(self.steps / self.rollout_steps);
+        self.cloning_weight * (1.0 - number as f64 / updates).max(0.0)
     }
 
     /// Reads a TOML text over these settings.
@@ -395,12 +396,12 @@ impl Settings {
     /// # Errors
     /// [`SettingsError::Together`] names the settings that do not go together.
     pub fn check(&self) -> Result<(), SettingsError> {
-        if !self.steps.is_multiple_of(self.segment) {
+        if !self.steps.is_multiple_of(self.rollout_steps) {
             return Err(SettingsError::Together(format!(
-                "`segment` ({}) must divide `steps` ({}); try {}",
-                self.segment,
+                "`rollout_steps` ({}) must divide `steps` ({}); try {}",
+                self.rollout_steps,
                 self.steps,
-                (1..=self.segment).rev().find(|s| self.steps.is_multiple_of(*s)).unwrap_or(1)
+                (1..=self.rollout_steps).rev().find(|s| self.steps.is_multiple_of(*s)).unwrap_or(1)
             )));
         }
         if self.eval_seed == self.seed {
@@ -409,28 +410,29 @@ impl Settings {
                 self.seed
             )));
         }
-        if self.shards > self.worlds {
+        if self.shards > self.num_envs {
             return Err(SettingsError::Together(format!(
-                "`shards` ({}) must not exceed `worlds` ({})",
-                self.shards, self.worlds
+                "`shards` ({}) must not exceed `num_envs` ({})",
+                self.shards, self.num_envs
             )));
         }
-        let most = usize::from(self.uavs.max(self.uavs_most));
+        let most = usize::from(self.uavs.max(self.uavs_max));
         if self.lossy() && most > MAX_NODES {
             return Err(SettingsError::Together(format!(
-                "up to {most} UAVs (`uavs` and `uavs_most`), but with `link_loss` or `link_delay` there may be at \
+                "up to {most} UAVs (`uavs` and `uavs_max`), but with `radio_loss` or `radio_delay` there may be at \
                  most {MAX_NODES}"
             )));
         }
-        if self.uavs_most > 0 && self.uavs_least > self.uavs_most {
+        if self.uavs_max > 0 && self.uavs_min > self.uavs_max {
             return Err(SettingsError::Together(format!(
-                "`uavs_least` ({}) must not exceed `uavs_most` ({}), or `uavs_most` be 0",
-                self.uavs_least, self.uavs_most
+                "`uavs_min` ({}) must not exceed `uavs_max` ({}), or `uavs_max` be 0",
+                self.uavs_min, self.uavs_max
             )));
         }
-        if self.observation == ObservationForm::Cells && self.teacher > 0.0 {
+        if self.observation == ObservationForm::Cells && self.cloning_weight > 0.0 {
             return Err(SettingsError::Together(
-                "an observation in cells gives no advice: with `observation = \"cells\"` set `teacher` to 0".to_owned(),
+                "an observation in cells gives no advice: with `observation = \"cells\"` set `cloning_weight` to 0"
+                    .to_owned(),
             ));
         }
         Ok(())
@@ -439,7 +441,7 @@ impl Settings {
     /// Whether messages are lost or late in training.
     #[must_use]
     pub fn lossy(&self) -> bool {
-        self.link_loss > 0.0 || self.link_delay > 0
+        self.radio_loss > 0.0 || self.radio_delay > 0
     }
 
     /// The worlds to train on.
@@ -448,7 +450,7 @@ impl Settings {
         Scenario {
             uavs: usize::from(self.uavs),
             pois: usize::from(self.pois),
-            law: self.scenario,
+            distribution: self.poi_distribution,
             side_u: self.side as f32,
             steps: self.steps,
         }
@@ -457,40 +459,40 @@ impl Settings {
     /// UAVs in the worlds of shard `shard` in round `round`, both counted from 0.
     #[must_use]
     pub fn uavs_in(&self, round: u32, shard: u32) -> u16 {
-        if self.uavs_most == 0 || shard.is_multiple_of(2) {
+        if self.uavs_max == 0 || shard.is_multiple_of(2) {
             return self.uavs;
         }
         let mut random = stream("swarm sizes", self.seed, u64::from(round) * u64::from(self.shards) + u64::from(shard));
-        self.uavs_least + below(&mut random, u32::from(self.uavs_most - self.uavs_least) + 1) as u16
+        self.uavs_min + below(&mut random, u32::from(self.uavs_max - self.uavs_min) + 1) as u16
     }
 
-    /// Law of the PoIs in world `world` of the `worlds` of shard `shard`.
+    /// PoiDistribution of the PoIs in world `world` of the `num_envs` of shard `shard`.
     #[must_use]
-    pub fn law_in(&self, shard: u32, world: usize, worlds: usize) -> Law {
-        let others = (self.other_law * worlds as f64).round() as usize;
-        match self.scenario {
+    pub fn law_in(&self, shard: u32, world: usize, worlds: usize) -> PoiDistribution {
+        let others = (self.other_distribution_share * worlds as f64).round() as usize;
+        match self.poi_distribution {
             law if shard.is_multiple_of(2) || world >= others => law,
-            Law::Clustered => Law::Uniform,
-            Law::Uniform => Law::Clustered,
+            PoiDistribution::Clustered => PoiDistribution::Uniform,
+            PoiDistribution::Uniform => PoiDistribution::Clustered,
         }
     }
 
     /// Agent-steps in the first `rounds` rounds.
     #[must_use]
     pub fn agent_steps(&self, rounds: u32) -> u64 {
-        let (worlds, shards) = (u64::from(self.worlds), u64::from(self.shards));
+        let (worlds, shards) = (u64::from(self.num_envs), u64::from(self.shards));
         let size = |shard: u64| (shard + 1) * worlds / shards - shard * worlds / shards;
-        if self.uavs_most == 0 {
+        if self.uavs_max == 0 {
             return u64::from(rounds) * worlds * u64::from(self.uavs) * u64::from(self.steps);
         }
         let in_round = |round| (0..shards).map(|k| size(k) * u64::from(self.uavs_in(round, k as u32))).sum::<u64>();
         (0..rounds).map(in_round).sum::<u64>() * u64::from(self.steps)
     }
 
-    /// Rounds of `worlds` episodes in the whole run.
+    /// Rounds of `num_envs` episodes in the whole run.
     #[must_use]
     pub fn rounds(&self) -> u32 {
-        (self.episodes / self.worlds).max(1)
+        (self.episodes / self.num_envs).max(1)
     }
 }
 
@@ -501,7 +503,7 @@ mod tests {
     #[test]
     fn written_settings_read_back() {
         let mut a = Settings { graph: Graph(Aggregation::Gat), learning_rate: 3e-4, ..Settings::default() };
-        a.set("scenario=uniform").unwrap();
+        a.set("poi_distribution=uniform").unwrap();
         let mut b = Settings::default();
         b.merge(&a.to_toml(), "test").unwrap();
         assert_eq!(a, b);
@@ -509,16 +511,17 @@ mod tests {
 
     #[test]
     fn every_second_shard_has_other_worlds() {
-        let s = Settings { uavs_least: 3, uavs_most: 5, other_law: 0.25, ..Settings::default() };
+        let s = Settings { uavs_min: 3, uavs_max: 5, other_distribution_share: 0.25, ..Settings::default() };
         let sizes = |shard| (0..60).map(|round| s.uavs_in(round, shard)).collect::<std::collections::BTreeSet<_>>();
         assert_eq!((sizes(0), sizes(1), sizes(2)), ([20].into(), [3, 4, 5].into(), [20].into()));
-        let laws = |shard| (0..16).filter(|&world| s.law_in(shard, world, 16) == Law::Uniform).count();
+        let laws = |shard| (0..16).filter(|&world| s.law_in(shard, world, 16) == PoiDistribution::Uniform).count();
         assert_eq!((laws(0), laws(1), laws(3)), (0, 4, 4));
         let steps = (0..7).flat_map(|round| (0..4).map(move |shard| (round, shard))).map(|(r, k)| s.uavs_in(r, k));
         assert_eq!(s.agent_steps(7), steps.map(|uavs| u64::from(uavs) * 16 * 100).sum::<u64>());
-        let alike = Settings { uavs_most: 0, other_law: 0.0, ..Settings::default() };
+        let alike = Settings { uavs_max: 0, other_distribution_share: 0.0, ..Settings::default() };
         assert!(
-            (0..9).all(|round| alike.uavs_in(round, 1) == 20 && alike.law_in(1, round as usize, 16) == Law::Clustered)
+            (0..9).all(|round| alike.uavs_in(round, 1) == 20
+                && alike.law_in(1, round as usize, 16) == PoiDistribution::Clustered)
         );
         assert_eq!(alike.agent_steps(7), 7 * 64 * 20 * 100);
     }
@@ -533,11 +536,11 @@ mod tests {
         assert!(say(s.set("graph=gnn")).contains("\"gcn\""));
         assert!(say(s.set("uavs")).contains("key=value"));
         assert!(say(s.merge("a = = 1", "f.toml")).contains("f.toml is not valid TOML"));
-        s.set("segment=30").unwrap();
+        s.set("rollout_steps=30").unwrap();
         assert!(say(s.check()).contains("try 25"));
-        let mut s = Settings { uavs_least: 9, uavs_most: 8, ..Settings::default() };
-        assert!(say(s.check()).contains("`uavs_least` (9) must not exceed `uavs_most` (8)"));
+        let mut s = Settings { uavs_min: 9, uavs_max: 8, ..Settings::default() };
+        assert!(say(s.check()).contains("`uavs_min` (9) must not exceed `uavs_max` (8)"));
         s = Settings { observation: ObservationForm::Cells, ..Settings::default() };
-        assert!(say(s.check()).contains("set `teacher` to 0"));
+        assert!(say(s.check()).contains("set `cloning_weight` to 0"));
     }
 }

@@ -3,10 +3,10 @@
 
 use covey_burn::{BurnEngine, Kind};
 use covey_env::baselines::Centroid;
-use covey_env::{Law, Links, Observer, Policy, Scenario, World};
+use covey_env::{Neighbourhood, Observer, PoiDistribution, Policy, Scenario, World};
 use covey_net::{
-    ActorGradient, ActorNet, ActorPass, CriticGradient, CriticNet, CriticPass, Engine, Inputs, Layout, Outputs, Rows,
-    Seen, initialise,
+    ActorGradient, ActorNet, ActorPass, CriticGradient, CriticNet, CriticPass, Engine, GraphBatch, Inputs, Outputs,
+    ParameterLayout, Rows, initialise,
 };
 use firmware_core::action::{ACTIONS, Action};
 use firmware_core::actor::{Aggregation, Dimensions};
@@ -25,8 +25,9 @@ fn noise(k: usize) -> f32 {
 }
 
 /// What UAVs see some way into episodes, when they have gathered in groups of all sizes.
-fn situations() -> (Vec<Observation>, Vec<Links>) {
-    let scenario = Scenario { uavs: UAVS, pois: 120, side_u: 120.0, steps: 100, law: Law::Clustered };
+fn situations() -> (Vec<Observation>, Vec<Neighbourhood>) {
+    let scenario =
+        Scenario { uavs: UAVS, pois: 120, side_u: 120.0, steps: 100, distribution: PoiDistribution::Clustered };
     let mut world = World::new(&scenario).expect("a scenario");
     let (mut observations, mut links) = (Vec::new(), Vec::new());
     for k in 0..WORLDS {
@@ -37,7 +38,7 @@ fn situations() -> (Vec<Observation>, Vec<Links>) {
             policy.act(&world, &mut actions);
             world.step(&actions);
         }
-        let (mut o, mut l) = ([[0; LEN]; UAVS], [Links::default(); UAVS]);
+        let (mut o, mut l) = ([[0; LEN]; UAVS], [Neighbourhood::default(); UAVS]);
         Observer::new(9, 1).observe(&world, &mut o, &mut l);
         observations.extend(o);
         links.extend(l);
@@ -59,7 +60,7 @@ fn exchange(rows: &mut Rows, weights: &[f32]) -> Vec<f32> {
 }
 
 /// Parameters to compare at, biases too.
-fn parameters(layout: &Layout) -> Vec<f32> {
+fn parameters(layout: &ParameterLayout) -> Vec<f32> {
     let mut values = initialise(layout, "test", 7);
     values.iter_mut().enumerate().for_each(|(k, v)| *v += 0.02 * noise(k));
     values
@@ -76,7 +77,12 @@ struct Found {
     gradients: [Vec<f32>; 2],
 }
 
-fn by_hand(layouts: &[Layout; 2], aggregation: Aggregation, parameters: [&[f32]; 2], inputs: &Inputs) -> Found {
+fn by_hand(
+    layouts: &[ParameterLayout; 2],
+    aggregation: Aggregation,
+    parameters: [&[f32]; 2],
+    inputs: &Inputs,
+) -> Found {
     let (mut actor, mut critic) = (ActorNet::new(&layouts[0], aggregation), CriticNet::new(&layouts[1]));
     actor.load(parameters[0]);
     critic.load(parameters[1]);
@@ -95,15 +101,20 @@ fn by_hand(layouts: &[Layout; 2], aggregation: Aggregation, parameters: [&[f32];
 }
 
 /// The same in burn, with the world-steps held in another order and among others, as in a minibatch.
-fn in_burn(layouts: &[Layout; 2], aggregation: Aggregation, parameters: [&[f32]; 2], seen: Seen<'_>) -> Found {
+fn in_burn(
+    layouts: &[ParameterLayout; 2],
+    aggregation: Aggregation,
+    parameters: [&[f32]; 2],
+    seen: GraphBatch<'_>,
+) -> Found {
     let mut engine = BurnEngine::open(Kind::Flex, layouts.clone(), aggregation).expect("a CPU");
     engine.load(parameters);
-    let step = |k: usize| Seen {
+    let step = |k: usize| GraphBatch {
         uavs: UAVS,
         observations: &seen.observations[k * UAVS..(k + 1) * UAVS],
         links: &seen.links[k * UAVS..(k + 1) * UAVS],
     };
-    let held: Vec<Seen<'_>> = (0..WORLDS).rev().flat_map(|k| [step(k), step(0)]).collect();
+    let held: Vec<GraphBatch<'_>> = (0..WORLDS).rev().flat_map(|k| [step(k), step(0)]).collect();
     engine.hold(&held);
     let order: Vec<u32> = (0..WORLDS as u32).map(|k| 2 * (WORLDS as u32 - 1 - k)).collect();
     let (mut out, mut gradients) = (Outputs::default(), [Vec::new(), Vec::new()]);
@@ -114,7 +125,7 @@ fn in_burn(layouts: &[Layout; 2], aggregation: Aggregation, parameters: [&[f32];
     engine.gradient(&order, &mut out, &mut weigh, &mut gradients).expect("a gradient");
 
     // Without autodiff, and in two parts, it computes the same.
-    let halves = [(0..WORLDS / 3), (WORLDS / 3..WORLDS)].map(|r| Seen {
+    let halves = [(0..WORLDS / 3), (WORLDS / 3..WORLDS)].map(|r| GraphBatch {
         uavs: UAVS,
         observations: &seen.observations[r.start * UAVS..r.end * UAVS],
         links: &seen.links[r.start * UAVS..r.end * UAVS],
@@ -139,14 +150,14 @@ fn assert_near(what: &str, got: &[f32], wanted: &[f32], tolerance: f32) {
 
 fn check(aggregation: Aggregation) {
     let (observations, links) = situations();
-    let layouts = [Layout::actor(DIMENSIONS, aggregation), Layout::critic(DIMENSIONS)];
+    let layouts = [ParameterLayout::actor(DIMENSIONS, aggregation), ParameterLayout::critic(DIMENSIONS)];
     let values = layouts.each_ref().map(parameters);
     let parameters = [&values[0][..], &values[1][..]];
     let mut inputs = Inputs::new(LEN);
     inputs.clear(UAVS);
     inputs.push(&observations, &links);
     let got = by_hand(&layouts, aggregation, parameters, &inputs);
-    let seen = Seen { uavs: UAVS, observations: &observations, links: &links };
+    let seen = GraphBatch { uavs: UAVS, observations: &observations, links: &links };
     let wanted = in_burn(&layouts, aggregation, parameters, seen);
     for (k, layout) in layouts.iter().enumerate() {
         let name = [aggregation.name(), "critic"][k];

@@ -42,7 +42,7 @@ fn bad_settings_files_are_refused_before_anything_is_made() {
         ("uavs = \"many\"", &["`uavs`", "a whole number", "\"many\""]),
         ("uavs = 2.5", &["`uavs`", "a whole number", "2.5"]),
         ("bootstrap_end = 1", &["`bootstrap_end`", "true or false"]),
-        ("scenario = \"circle\"", &["`scenario`", "\"clustered\" or \"uniform\"", "circle"]),
+        ("poi_distribution = \"circle\"", &["`poi_distribution`", "\"clustered\" or \"uniform\"", "circle"]),
         ("learning_rate = -1.0", &["`learning_rate`", "-1.0", "above 0"]),
         ("hidden = 3", &["`hidden`", "even"]),
         ("uavs = = 3", &["not valid TOML", "line 1"]),
@@ -65,8 +65,8 @@ fn bad_flags_are_refused_before_anything_is_made() {
         (&["--set", "lamda=0.9"], &["`lamda`", "nearest is `lambda`"]),
         (&["--set", "lambda"], &["`--set lambda`", "key=value"]),
         (&["--set", "gamma=1.5"], &["`gamma`", "1.5", "0 to 1"]),
-        (&["--set", "worlds=2", "--set", "shards=3"], &["`shards`", "`worlds`"]),
-        (&["--set", "segment=30"], &["`segment` (30)", "must divide `steps` (100)", "try 25"]),
+        (&["--set", "num_envs=2", "--set", "shards=3"], &["`shards`", "`num_envs`"]),
+        (&["--set", "rollout_steps=30"], &["`rollout_steps` (30)", "must divide `steps` (100)", "try 25"]),
         (&["--graph", "gnn"], &["gnn", "none, gcn, gat"]),
         (&["--episodes", "0"], &["`episodes`", "must be 1 to"]),
         (&["--episodes", "many"], &["many", "--episodes"]),
@@ -168,11 +168,11 @@ fn a_checkpoint_that_does_not_tell_all_settings_is_refused() {
     let (_folder, out) = run();
     let newest = checkpoints(&out).pop().expect("a checkpoint");
     let mut checkpoint = Checkpoint::from_bytes(&fs::read(&newest).expect("read")).expect("sound");
-    let lines = checkpoint.settings.lines().filter(|l| !l.starts_with("uavs_most =") && !l.starts_with("gamma ="));
+    let lines = checkpoint.settings.lines().filter(|l| !l.starts_with("uavs_max =") && !l.starts_with("gamma ="));
     checkpoint.settings = lines.map(|l| format!("{l}\n")).collect();
     fs::write(&newest, checkpoint.to_bytes()).expect("written");
     let before = everything(&out);
-    refuse(&mut resume(&out), &["uavs_most", "gamma", "start a new run", "--config"]);
+    refuse(&mut resume(&out), &["uavs_max", "gamma", "start a new run", "--config"]);
     assert!(everything(&out) == before, "the run was touched");
 }
 

@@ -5,7 +5,7 @@ mod common;
 use common::{refuse, trainer};
 use covey_burn::{BurnEngine, Kind};
 use covey_env::ObservationForm;
-use covey_net::{Engine, EngineError, Outputs, Seen};
+use covey_net::{Engine, EngineError, GraphBatch, Outputs};
 use firmware_core::actor::Aggregation;
 use host_trainer::settings::{Graph, Settings};
 use host_trainer::train::{Row, Trainer, Workers};
@@ -15,21 +15,21 @@ fn settings(graph: Aggregation) -> Settings {
         graph: Graph(graph),
         // More than 32: two words of neighbours.
         uavs: 35,
-        uavs_most: 0,
+        uavs_max: 0,
         pois: 60,
         side: 150.0,
         steps: 20,
-        segment: 10,
+        rollout_steps: 10,
         hidden: 32,
         feature: 16,
         head: 32,
-        worlds: 6,
+        num_envs: 6,
         shards: 3,
         episodes: 24,
         minibatch: 700,
         epochs: 2,
-        teacher: 0.5,
-        teacher_episodes: 12,
+        cloning_weight: 0.5,
+        cloning_episodes: 12,
         ..Settings::default()
     }
 }
@@ -100,12 +100,12 @@ impl Engine for Broken {
         self.inner.load(parameters);
     }
 
-    fn forward(&mut self, seen: &[Seen<'_>], out: &mut Outputs) -> Result<(), EngineError> {
+    fn forward(&mut self, seen: &[GraphBatch<'_>], out: &mut Outputs) -> Result<(), EngineError> {
         self.inner.forward(seen, out)?;
         (self.spoil)(out, &mut [Vec::new(), Vec::new()])
     }
 
-    fn hold(&mut self, seen: &[Seen<'_>]) {
+    fn hold(&mut self, seen: &[GraphBatch<'_>]) {
         self.inner.hold(seen);
     }
 
@@ -162,8 +162,8 @@ fn a_device_with_wrong_numbers_does_not_train() {
 fn runs_that_no_device_computes_are_refused() {
     let usual = || settings(Aggregation::Gcn);
     for (settings, setting) in [
-        (Settings { observation: ObservationForm::Cells, teacher: 0.0, ..usual() }, "observation = \"compact\""),
-        (Settings { uavs_most: 40, ..usual() }, "uavs_most = 0"),
+        (Settings { observation: ObservationForm::Cells, cloning_weight: 0.0, ..usual() }, "observation = \"compact\""),
+        (Settings { uavs_max: 40, ..usual() }, "uavs_max = 0"),
     ] {
         let trainer = Trainer::new(settings).expect("a scenario");
         let engine = engine(&trainer);

@@ -7,7 +7,7 @@ mod common;
 use actors::sample_actor;
 use common::{refuse, trainer};
 use covey_env::Scenario;
-use covey_link::{Client, Loopback};
+use covey_pil::{Client, Loopback};
 use firmware_core::actor::{Actor, Aggregation, Mode};
 use host_trainer::in_the_loop::{Flown, Part, fly};
 use host_trainer::measure::{Subject, Trial};

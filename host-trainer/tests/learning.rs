@@ -26,18 +26,18 @@ fn settings(graph: Aggregation) -> Settings {
         pois: 40,
         side: 70.0,
         steps: 30,
-        segment: 15,
+        rollout_steps: 15,
         hidden: 32,
         feature: 16,
         head: 32,
-        worlds: 32,
+        num_envs: 32,
         episodes: 32 * 16,
         minibatch: 480,
         learning_rate: 3e-3,
         // From reward alone, on worlds of one kind.
-        teacher: 0.0,
-        uavs_most: 0,
-        other_law: 0.0,
+        cloning_weight: 0.0,
+        uavs_max: 0,
+        other_distribution_share: 0.0,
         ..Settings::default()
     }
 }

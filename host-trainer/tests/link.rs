@@ -3,7 +3,7 @@
 mod common;
 
 use common::{assert_same, refuse, results, resume, succeed, train, trainer};
-use covey_env::radio::LinkSettings;
+use covey_env::radio::RadioSettings;
 use serde_json::Value;
 use std::fs;
 
@@ -69,10 +69,10 @@ fn links_that_cannot_be_are_refused() {
 /// In a file the settings are a table; what it leaves out is as in the perfect link.
 #[test]
 fn a_link_is_a_table_in_toml() {
-    let read = |text: &str| toml::from_str::<LinkSettings>(text).map_err(|e| e.to_string());
+    let read = |text: &str| toml::from_str::<RadioSettings>(text).map_err(|e| e.to_string());
     let link = read("loss = 0.1\nburst = 3\ndelay_ms = 2000\n").expect("a link");
     assert_eq!(link.to_string(), "loss=0.1,burst=3,delay_ms=2000");
-    assert_eq!(read("").expect("a link"), LinkSettings::default());
+    assert_eq!(read("").expect("a link"), RadioSettings::default());
     assert!(read("los = 0.1").expect_err("no such setting").contains("unknown field `los`"));
 }
 
@@ -108,7 +108,7 @@ fn training_over_a_link_is_exact_too() {
         succeed(train(&out, settings).args(["--quiet", "--threads", threads]));
         out
     };
-    let lossy = ["episodes=12", "checkpoint_every=4", "link_loss=0.6", "link_delay=2"];
+    let lossy = ["episodes=12", "checkpoint_every=4", "radio_loss=0.6", "radio_delay=2"];
     let one = run("one", &lossy, "1");
     let whole = results(&one);
     assert_same(&whole, &results(&run("three", &lossy, "3")), "three threads");
@@ -124,9 +124,9 @@ fn training_over_a_link_is_exact_too() {
 fn links_that_cannot_be_trained_over_are_refused() {
     let out = tempfile::tempdir().expect("a folder").path().join("run");
     let cases: [(&[&str], &[&str]); 3] = [
-        (&["link_loss=1.5"], &["`link_loss` is 1.5", "0 to 1"]),
-        (&["link_delay=3"], &["`link_delay` is 3", "0 to 2"]),
-        (&["link_delay=1", "uavs=3000"], &["up to 3000 UAVs", "at most 2048"]),
+        (&["radio_loss=1.5"], &["`radio_loss` is 1.5", "0 to 1"]),
+        (&["radio_delay=3"], &["`radio_delay` is 3", "0 to 2"]),
+        (&["radio_delay=1", "uavs=3000"], &["up to 3000 UAVs", "at most 2048"]),
     ];
     for (settings, words) in cases {
         refuse(&mut train(&out, settings), words);

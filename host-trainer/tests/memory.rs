@@ -57,21 +57,22 @@ fn memory_is_small_and_a_warm_trainer_asks_for_none_step_by_step() {
     let peak = peak_of_children_mib();
     assert!((4.0..128.0).contains(&peak), "training takes {peak:.0} MiB, at most 128 are allowed");
 
-    let worlds = ["worlds=8", "shards=2", "minibatch=400", "teacher=0"];
+    let worlds = ["num_envs=8", "shards=2", "minibatch=400", "cloning_weight=0"];
     let count = |stage, settings: &[&str]| allocations(stage, &[&worlds, settings].concat());
     for stage in [Stage::Environment, Stage::Policy] {
         // Two segments each; lists that hand work to threads are made a segment.
-        let (short, long) = (count(stage, &["steps=10", "segment=5"]), count(stage, &["steps=60", "segment=30"]));
+        let (short, long) =
+            (count(stage, &["steps=10", "rollout_steps=5"]), count(stage, &["steps=60", "rollout_steps=30"]));
         assert!(short > 0, "the count works");
         assert_eq!(short, long, "{stage:?}: allocations of steps");
     }
     // As many minibatches, of four times the samples: lists of what is in them grow a little.
     let update = |settings: &[&str]| {
-        let settings = [&["steps=20", "segment=10"], settings].concat();
+        let settings = [&["steps=20", "rollout_steps=10"], settings].concat();
         // A new episode asks for something in every world.
         count(Stage::Update, &settings) - count(Stage::Policy, &settings)
     };
-    let (small, large) = (update(&[]), update(&["worlds=32", "minibatch=1600"]));
+    let (small, large) = (update(&[]), update(&["num_envs=32", "minibatch=1600"]));
     assert!(large <= small + 16, "allocations of an update: {small}, with larger minibatches {large}");
 }
 

@@ -13,7 +13,7 @@ use std::process::{Command, Stdio};
 fn quick(out: &Path, flags: &[&str]) -> Command {
     let mut command = trainer();
     command.args(["experiment", "paper", "--quick", "--worlds", "2", "--out"]).arg(out);
-    for set in ["pois=20", "side=80", "steps=10", "segment=5", "uavs=6", "episodes=16", "checkpoint_every=4"] {
+    for set in ["pois=20", "side=80", "steps=10", "rollout_steps=5", "uavs=6", "episodes=16", "checkpoint_every=4"] {
         command.args(["--set", set]);
     }
     command.args(flags);
@@ -182,6 +182,6 @@ fn what_cannot_be_compared_is_refused() {
     fs::write(&actor, whole).expect("written");
     succeed(&mut quick(&out, &one));
     assert!(text(&out.join("report.md")).contains("fly as int8 actors"));
-    let uniform = ["--settings", "shipped", "--set", "scenario=uniform"];
+    let uniform = ["--settings", "shipped", "--set", "poi_distribution=uniform"];
     refuse(&mut quick(&out, &[&one[..], &uniform].concat()), &["scenario = Uniform", "Clustered", "--out"]);
 }

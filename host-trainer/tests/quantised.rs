@@ -1,8 +1,8 @@
 //! The int8 actor against the float policy that it was made from.
 
-use covey_env::{ObservationForm, OfSights};
+use covey_env::{BatchedObservation, ObservationForm};
 use firmware_core::actor::{
-    Actor, Aggregation, CellsActor, Feature, FormActor, LoadError, Logits, NeighbourFeature, Provenance, argmax,
+    Actor, Aggregation, CellsActor, Feature, LoadError, Logits, NeighbourFeature, Provenance, QuantisedActor, argmax,
 };
 use firmware_core::observation::cells::Cells;
 use firmware_core::observation::{Form, Observation};
@@ -25,7 +25,7 @@ fn trained(settings: &Settings) -> FloatActor {
 }
 
 /// The int8 logits of every UAV, each from what it would hear.
-fn int8_logits<O: OfSights>(actor: &FormActor<'_, O>, s: &Situation) -> Vec<Logits> {
+fn int8_logits<O: BatchedObservation>(actor: &QuantisedActor<'_, O>, s: &Situation) -> Vec<Logits> {
     let width = usize::from(actor.dimensions().feature);
     let features: Vec<Feature> = O::among(&s.observations).iter().map(|o| actor.encode(o)).collect();
     let degree = |i: usize| s.links[i].count + 1;
@@ -33,8 +33,8 @@ fn int8_logits<O: OfSights>(actor: &FormActor<'_, O>, s: &Situation) -> Vec<Logi
         .map(|i| {
             let heard = s.links[i].as_slice().iter().map(|&j| {
                 let j = usize::from(j);
-                let Feature { values, attended, .. } = &features[j];
-                NeighbourFeature { values: &values[..width], degree: degree(j), attended: *attended }
+                let Feature { values, attention_source, .. } = &features[j];
+                NeighbourFeature { values: &values[..width], degree: degree(j), attention_source: *attention_source }
             });
             actor.logits(&features[i], degree(i), heard)
         })
@@ -43,7 +43,7 @@ fn int8_logits<O: OfSights>(actor: &FormActor<'_, O>, s: &Situation) -> Vec<Logi
 
 /// Agreement of the greatest logits, and how far logits lie apart: root of the mean
 /// square, over that of the float logits within a decision.
-fn compare<O: OfSights>(actor: &FormActor<'_, O>, situations: &[Situation]) -> (f64, f64) {
+fn compare<O: BatchedObservation>(actor: &QuantisedActor<'_, O>, situations: &[Situation]) -> (f64, f64) {
     let (mut agreeing, mut all, mut apart, mut spread) = (0, 0, 0.0, 0.0);
     for s in situations {
         for (int8, float) in int8_logits(actor, s).iter().zip(s.logits.chunks_exact(17)) {
@@ -68,7 +68,7 @@ fn check(settings: &Settings) -> f64 {
     }
 }
 
-fn check_as<O: OfSights>(settings: &Settings) -> f64 {
+fn check_as<O: BatchedObservation>(settings: &Settings) -> f64 {
     let name = settings.graph.0.name();
     let float = trained(settings);
     let scenario = settings.world();
@@ -76,7 +76,7 @@ fn check_as<O: OfSights>(settings: &Settings) -> f64 {
     let file = quantise(&float, &scenario, 1, settings.calibration_worlds, provenance).expect("quantised");
     let again = quantise(&float, &scenario, 1, settings.calibration_worlds, provenance).expect("quantised");
     assert!(file == again, "{name}: quantised twice, two files");
-    let actor = FormActor::<O>::load(&file).expect("a sound file");
+    let actor = QuantisedActor::<O>::load(&file).expect("a sound file");
     actor.self_test().expect("the self-test holds");
     assert_eq!((actor.aggregation(), actor.dimensions()), (float.aggregation, float.dimensions));
     assert_eq!((actor.tie_period(), actor.provenance()), (settings.tie_period, provenance));
@@ -95,12 +95,12 @@ fn tiny(graph: Aggregation) -> Settings {
         pois: 30,
         side: 70.0,
         steps: 20,
-        segment: 10,
+        rollout_steps: 10,
         hidden: 16,
         feature: 8,
         head: 16,
         episodes: 64,
-        worlds: 16,
+        num_envs: 16,
         shards: 2,
         minibatch: 480,
         learning_rate: 3e-3,
@@ -154,7 +154,7 @@ fn an_actor_of_another_form_is_refused() {
 fn the_full_network_keeps_its_choices_in_int8() {
     for graph in Aggregation::ALL {
         let paper = Settings { graph: Graph(graph), ..Settings::default() };
-        let agreeing = check(&Settings { episodes: 16, worlds: 4, minibatch: 1000, calibration_worlds: 4, ..paper });
+        let agreeing = check(&Settings { episodes: 16, num_envs: 4, minibatch: 1000, calibration_worlds: 4, ..paper });
         assert!(agreeing >= 0.95, "{}: the greatest logits agree in {agreeing:.4} of decisions", graph.name());
     }
 }

@@ -8,7 +8,8 @@ use firmware_core::action::ACTIONS;
 use firmware_core::actor::file::{Body, LoadError};
 use firmware_core::actor::layer::MAX_BIAS;
 use firmware_core::actor::{
-    Actor, Aggregation, CellsActor, Dimensions, Flown, FormActor, SIGNATURE_CASES, SelfTestError, signature,
+    Actor, ActorInput, Aggregation, CellsActor, Dimensions, FINGERPRINT_CASES, QuantisedActor, SelfTestError,
+    fingerprint,
 };
 use firmware_core::observation::{self, LEN};
 use plain_actor::{HEADER, PlainActor, TRAILER, fnv};
@@ -53,9 +54,9 @@ fn committed_files_are_the_same_bytes_and_the_same_function() {
 }
 
 /// The line of an actor.
-fn pin<O: Flown>(name: &str, file: &[u8], actor: &FormActor<'_, O>) -> String {
+fn pin<O: ActorInput>(name: &str, file: &[u8], actor: &QuantisedActor<'_, O>) -> String {
     actor.self_test().unwrap_or_else(|e| panic!("{name}: {e}"));
-    let numbers = [fnv(file), actor.content_hash(), signature(actor, SIGNATURE_CASES)];
+    let numbers = [fnv(file), actor.content_hash(), fingerprint(actor, FINGERPRINT_CASES)];
     let [digest, content, signature] = numbers.map(|n| format!("{n:016x}"));
     format!("{name} {} {digest} {content} {signature}\n", file.len())
 }

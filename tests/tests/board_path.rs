@@ -2,12 +2,12 @@
 //! knows the others only by the bytes they send. Observations, logits and actions are
 //! those of the environment's policy, step by step, so what was trained is what flies.
 
-use covey_env::{ActorPolicy, Law, Scenario, World};
+use covey_env::{ActorPolicy, PoiDistribution, Scenario, World};
 use firmware_core::action::Action;
 use firmware_core::actor::{Actor, Feature, Logits, Mode, NeighbourFeature};
 use firmware_core::geometry::{COMMUNICATION_RANGE_U, SPEED_CAP_U, State, TICKS_PER_U, Vec2};
 use firmware_core::message::{self, Beacon, Header, MAX_LEN, Message};
-use firmware_core::neighbour_table::{DEFAULT_STEP_MS, MAX_AGE_STEPS, Moment, NeighbourTable, Policy};
+use firmware_core::neighbour_table::{DEFAULT_STEP_MS, MAX_AGE_STEPS, Moment, NeighbourTable, PolicyId};
 use firmware_core::observation::{MAX_NEIGHBOURS, Neighbours, Observation, Scene, observe};
 use std::path::Path;
 
@@ -41,7 +41,7 @@ struct Board<'a> {
 
 impl<'a> Board<'a> {
     fn new(id: u16, actor: Actor<'a>) -> Self {
-        let table = NeighbourTable::new(id, Policy::of(&actor), DEFAULT_STEP_MS);
+        let table = NeighbourTable::new(id, PolicyId::of(&actor), DEFAULT_STEP_MS);
         let observation = [0; _];
         let feature = actor.encode(&observation);
         let (own, now) = (State::default(), Moment::default());
@@ -168,7 +168,7 @@ fn the_papers_swarm_flies_as_it_was_trained() {
 /// More UAVs in reach than a table holds.
 #[test]
 fn a_dense_swarm_flies_as_it_was_trained() {
-    let scenario = Scenario { uavs: 70, pois: 60, side_u: 80.0, steps: 60, law: Law::Uniform };
+    let scenario = Scenario { uavs: 70, pois: 60, side_u: 80.0, steps: 60, distribution: PoiDistribution::Uniform };
     for name in KINDS {
         for reach_u in [REACH_U, EVERYWHERE_U] {
             let (most, _) = fly(&committed(name), &scenario, Mode::Sample, reach_u);

@@ -94,7 +94,7 @@ fn replay(file: &Path) {
         ..Scenario::default()
     };
     let mut world = World::new(&scenario).unwrap_or_else(|e| panic!("{name}: {e}"));
-    world.set_layout(&episode.uav, &episode.poi).unwrap_or_else(|e| panic!("{name}: {e}"));
+    world.set_positions(&episode.uav, &episode.poi).unwrap_or_else(|e| panic!("{name}: {e}"));
     for (t, (actions, want)) in episode.actions.iter().zip(&episode.steps).enumerate() {
         let action = |&k: &u8| Action::new(k).unwrap_or_else(|| panic!("{name}: step {t}: no action {k}"));
         let actions: Vec<_> = actions.iter().map(action).collect();

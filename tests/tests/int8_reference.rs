@@ -24,7 +24,7 @@ fn committed(name: &str) -> Vec<u8> {
 /// More neighbours than count, with any feature that a message can carry.
 fn neighbours(width: usize) -> impl Strategy<Value = Vec<PlainNeighbour>> {
     let one = (vec(any::<i8>(), width), 1..=17u8, prop_oneof![any::<i16>(), -600..600i16])
-        .prop_map(|(values, degree, attended)| PlainNeighbour { values, degree, attended });
+        .prop_map(|(values, degree, attention_source)| PlainNeighbour { values, degree, attention_source });
     vec(one, 0..20)
 }
 
@@ -41,13 +41,19 @@ fn check(
 ) -> Result<(), TestCaseError> {
     let (actor, plain) = (Actor::load(file).expect("a sound actor"), PlainActor::read(file));
     let own = actor.encode(observation);
-    let (h, attending, attended) = plain.encode(observation);
+    let (h, attention_destination, attention_source) = plain.encode(observation);
     let values: Vec<i64> = own.values.iter().map(|&v| v.into()).collect();
     prop_assert_eq!(&values[..h.len()], &h[..]);
     prop_assert!(values[h.len()..].iter().all(|&v| v == 0));
-    prop_assert_eq!((i64::from(own.attending), i64::from(own.attended)), (attending, attended));
-    let heard =
-        neighbours.iter().map(|n| NeighbourFeature { values: &n.values, degree: n.degree, attended: n.attended });
+    prop_assert_eq!(
+        (i64::from(own.attention_destination), i64::from(own.attention_source)),
+        (attention_destination, attention_source)
+    );
+    let heard = neighbours.iter().map(|n| NeighbourFeature {
+        values: &n.values,
+        degree: n.degree,
+        attention_source: n.attention_source,
+    });
     let logits = actor.logits(&own, degree, heard).map(i64::from);
     prop_assert_eq!(&logits[..], &plain.logits(observation, degree, neighbours)[..]);
     Ok(())

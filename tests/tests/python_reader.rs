@@ -1,7 +1,7 @@
 //! `docs/read_actor.py`, a second implementation of the actor file and of the actor's
 //! arithmetic, reads the committed actors and computes what this code computes.
 
-use firmware_core::actor::{Actor, CellsActor, Flown, FormActor, signature};
+use firmware_core::actor::{Actor, ActorInput, CellsActor, QuantisedActor, fingerprint};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -40,7 +40,7 @@ fn expected(file: &Path) -> String {
     }
 }
 
-fn expected_of<O: Flown>(file: &Path, len: usize, actor: &FormActor<'_, O>) -> String {
+fn expected_of<O: ActorInput>(file: &Path, len: usize, actor: &QuantisedActor<'_, O>) -> String {
     actor.self_test().expect("the self-test");
     let (d, p) = (actor.dimensions(), actor.provenance());
     [
@@ -55,7 +55,7 @@ fn expected_of<O: Flown>(file: &Path, len: usize, actor: &FormActor<'_, O>) -> S
             p.trainer, p.scenario, p.uavs, p.seed, p.episodes
         ),
         format!("coverage      {}/10000 int8, {}/10000 float, {} worlds", p.int8_coverage, p.float_coverage, p.worlds),
-        format!("signature     {:016x} over {CASES} cases", signature(actor, CASES)),
+        format!("signature     {:016x} over {CASES} cases", fingerprint(actor, CASES)),
     ]
     .join("\n")
         + "\n"

@@ -97,15 +97,15 @@ pub enum Error {
     /// Figures that are not what they should be, one a line.
     #[error("figures that are not what they should be:\n{0}")]
     Figures(String),
-    /// The actor link failed.
+    /// The PIL protocol failed.
     #[error("the link to the board: {0}")]
-    Link(#[from] covey_link::LinkError),
+    Link(#[from] covey_pil::PilError),
     /// Flashing failed.
     #[error(transparent)]
     Flash(#[from] FlashError),
     /// The emulated board does not run.
     #[error(transparent)]
-    Qemu(#[from] covey_link::qemu::QemuError),
+    Qemu(#[from] covey_pil::qemu::QemuError),
     /// A failure whose full account stands on the terminal already.
     #[error("failed, see above")]
     Reported,

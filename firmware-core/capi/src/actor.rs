@@ -4,7 +4,7 @@ use crate::slice;
 use crate::status::Status;
 use core::mem::MaybeUninit;
 use firmware_core::action::ACTIONS;
-use firmware_core::actor::{Actor, Feature, MAX_DEGREE, MAX_FEATURE, Mode, NeighbourFeature, signature};
+use firmware_core::actor::{Actor, Feature, MAX_DEGREE, MAX_FEATURE, Mode, NeighbourFeature, fingerprint};
 use firmware_core::observation::{LEN, MAX_NEIGHBOURS};
 
 /// Marks a [`CoveyActor`] with an actor inside, which passed its self-test or not. Anything
@@ -47,9 +47,9 @@ pub struct CoveyFeature {
     /// `h`.
     pub values: [i8; MAX_FEATURE],
     /// The receiver's half of the attention score.
-    pub attending: i16,
+    pub attention_destination: i16,
     /// The sender's half.
-    pub attended: i16,
+    pub attention_source: i16,
 }
 
 /// `covey_neighbour_feature`
@@ -61,7 +61,7 @@ pub struct CoveyNeighbourFeature {
     /// The sender's degree, 1 to 17.
     pub degree: u8,
     /// The sender's half of the attention score.
-    pub attended: i16,
+    pub attention_source: i16,
 }
 
 /// `covey_decision`
@@ -166,7 +166,7 @@ pub unsafe extern "C" fn covey_feature_width(actor: *const CoveyActor) -> u8 {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn covey_signature(actor: *const CoveyActor, cases: u32) -> u64 {
     // SAFETY: this function's contract is the other's.
-    unsafe { read(actor, 0, |a| signature(a, cases)) }
+    unsafe { read(actor, 0, |a| fingerprint(a, cases)) }
 }
 
 /// The tie-breaker that UAV `id` announces for `step`.
@@ -196,8 +196,8 @@ pub unsafe extern "C" fn covey_encode(
         return Status::Null as i32;
     };
     code(actor.tested().map(|actor| {
-        let Feature { values, attending, attended } = actor.encode(observation);
-        *feature = CoveyFeature { values, attending, attended };
+        let Feature { values, attention_destination, attention_source } = actor.encode(observation);
+        *feature = CoveyFeature { values, attention_destination, attention_source };
     }))
 }
 
@@ -248,9 +248,13 @@ pub unsafe extern "C" fn covey_decide(
     let features = neighbours.iter().map(|n| {
         // SAFETY: not NULL, and valid for the feature width by this function's contract.
         let values = unsafe { core::slice::from_raw_parts(n.values, width) };
-        NeighbourFeature { values, degree: n.degree, attended: n.attended }
+        NeighbourFeature { values, degree: n.degree, attention_source: n.attention_source }
     });
-    let own = Feature { values: own.values, attending: own.attending, attended: own.attended };
+    let own = Feature {
+        values: own.values,
+        attention_destination: own.attention_destination,
+        attention_source: own.attention_source,
+    };
     decision.logits = actor.logits(&own, degree, features);
     decision.action = actor.choose(&decision.logits, mode, seed, id, step).index();
     Status::Ok as i32

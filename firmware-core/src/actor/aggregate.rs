@@ -51,17 +51,19 @@ pub(super) fn gat<'f>(
     own: &Feature,
     neighbours: impl Iterator<Item = NeighbourFeature<'f>> + Clone,
 ) -> [i32; MAX_FEATURE] {
-    let score = |attended: i16| leaky(i32::from(own.attending) + i32::from(attended));
-    let mine = score(own.attended);
-    let top = neighbours.clone().map(|n| score(n.attended)).fold(mine, i32::max);
+    let score = |attention_source: i16| leaky(i32::from(own.attention_destination) + i32::from(attention_source));
+    let mine = score(own.attention_source);
+    let top = neighbours.clone().map(|n| score(n.attention_source)).fold(mine, i32::max);
     // At most 17·2^16, at least 2^16: the greatest score weighs one.
-    let total = neighbours.clone().map(|n| weight(top - score(n.attended))).fold(weight(top - mine), |a, w| a + w);
+    let total =
+        neighbours.clone().map(|n| weight(top - score(n.attention_source))).fold(weight(top - mine), |a, w| a + w);
     // weight <= 2^16, so the shifted value fits u32.
-    let share = |attended: i16| (((weight(top - score(attended)) << 15) + total / 2) / total.max(1)) as i32;
+    let share =
+        |attention_source: i16| (((weight(top - score(attention_source)) << 15) + total / 2) / total.max(1)) as i32;
     let mut sums = [0; MAX_FEATURE];
-    add(&mut sums, &own.values, share(own.attended));
+    add(&mut sums, &own.values, share(own.attention_source));
     for n in neighbours {
-        add(&mut sums, n.values, share(n.attended));
+        add(&mut sums, n.values, share(n.attention_source));
     }
     sums
 }

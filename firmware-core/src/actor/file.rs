@@ -12,7 +12,7 @@
 //! `docs/actor-file.md` describes every field.
 
 use super::layer::{Layer, LayerError, MAX_ROWS, even};
-use super::{Aggregation, Dimensions, Flown, FormActor, MAX_FEATURE, SELF_TESTS, self_test};
+use super::{ActorInput, Aggregation, Dimensions, MAX_FEATURE, QuantisedActor, SELF_TESTS, self_test};
 use crate::action::ACTIONS;
 use crate::observation::{self, cells};
 use crc::{CRC_32_ISO_HDLC, Crc};
@@ -306,7 +306,7 @@ impl From<LayerError> for LoadError {
     }
 }
 
-impl<'a, O: Flown> FormActor<'a, O> {
+impl<'a, O: ActorInput> QuantisedActor<'a, O> {
     /// Reads an actor file in place. Every length and bound is checked before the first
     /// use; run [`Self::self_test`] next.
     ///

@@ -15,17 +15,17 @@
 
 mod aggregate;
 pub mod file;
-mod first;
+mod fingerprint;
+mod input_layer;
 pub mod layer;
 mod self_test;
-mod signature;
 pub mod softmax;
 
 pub use aggregate::MAX_DEGREE;
 pub use file::{LoadError, Provenance};
-pub use first::{Flown, Gather};
+pub use fingerprint::{FINGERPRINT_CASES, Fingerprint, fingerprint};
+pub use input_layer::{ActorInput, SparseLayer};
 pub use self_test::{SELF_TESTS, SelfTest, SelfTestError, write_self_test};
-pub use signature::{SIGNATURE_CASES, Signature, signature};
 pub use softmax::{Logits, Mode, argmax, sample};
 
 use crate::action::{ACTIONS, Action};
@@ -94,16 +94,16 @@ impl Dimensions {
     }
 }
 
-/// What a UAV computes from its own observation and, but for [`Self::attending`],
+/// What a UAV computes from its own observation and, but for [`Self::attention_destination`],
 /// broadcasts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Feature {
     /// `h`, of which the actor's feature width is used; the rest is zero.
     pub values: [i8; MAX_FEATURE],
     /// GAT: the receiver's half of the score, kept at home (0 otherwise).
-    pub attending: i16,
+    pub attention_destination: i16,
     /// GAT: the sender's half of the score, broadcast (0 otherwise).
-    pub attended: i16,
+    pub attention_source: i16,
 }
 
 /// A neighbour's feature as it was received.
@@ -114,19 +114,19 @@ pub struct NeighbourFeature<'f> {
     /// The sender's degree, itself included, 1 to [`MAX_DEGREE`].
     pub degree: u8,
     /// The sender's half of the GAT score.
-    pub attended: i16,
+    pub attention_source: i16,
 }
 
 /// An actor that observes in the compact form.
-pub type Actor<'a> = FormActor<'a, Observation>;
+pub type Actor<'a> = QuantisedActor<'a, Observation>;
 
 /// An actor that observes cells, as the paper's UAVs do.
-pub type CellsActor<'a> = FormActor<'a, Cells>;
+pub type CellsActor<'a> = QuantisedActor<'a, Cells>;
 
 /// A loaded actor. It borrows the file, which must have been found sound. A program holds the
 /// code of those forms only that it uses.
 #[derive(Clone, Copy, Debug)]
-pub struct FormActor<'a, O: Flown> {
+pub struct QuantisedActor<'a, O: ActorInput> {
     aggregation: Aggregation,
     dimensions: Dimensions,
     tie_period: u32,
@@ -142,7 +142,7 @@ pub struct FormActor<'a, O: Flown> {
     aggregate_multiplier: i32,
 }
 
-impl<'a, O: Flown> FormActor<'a, O> {
+impl<'a, O: ActorInput> QuantisedActor<'a, O> {
     /// How it aggregates.
     #[must_use]
     pub const fn aggregation(&self) -> Aggregation {
@@ -196,12 +196,12 @@ impl<'a, O: Flown> FormActor<'a, O> {
         if self.aggregation == Aggregation::Gat {
             self.attention.apply_wide(&h.0, &mut halves);
         }
-        let [attending, attended] = halves;
+        let [attention_destination, attention_source] = halves;
         let mut values = [0i8; MAX_FEATURE];
         for (v, &h) in values.iter_mut().zip(&h.0) {
             *v = h as i8; // 0..=127
         }
-        Feature { values, attending, attended }
+        Feature { values, attention_destination, attention_source }
     }
 
     /// The logits of a UAV with this feature and degree (itself included) whose

@@ -2,10 +2,10 @@
 //!
 //! A vector is, one after the other: the observation (160 int8; in cells the number of ones
 //! as u8, two velocities as int8, and the index of each one as u16 little-endian), own degree (u8),
-//! number k of neighbours (u8, at most 16), k times [degree (u8), attended score (i16
+//! number k of neighbours (u8, at most 16), k times [degree (u8), attention_source score (i16
 //! little-endian), feature (int8 × feature width)], and 17 logits (i16 little-endian).
 
-use super::{Flown, FormActor, Logits, MAX_DEGREE, NeighbourFeature};
+use super::{ActorInput, Logits, MAX_DEGREE, NeighbourFeature, QuantisedActor};
 use crate::action::ACTIONS;
 use crate::observation::{MAX_NEIGHBOURS, Observation};
 use core::marker::PhantomData;
@@ -26,7 +26,7 @@ pub struct SelfTestError {
 
 /// One vector, read in place.
 #[derive(Clone, Copy, Debug)]
-pub struct SelfTest<'a, O: Flown = Observation> {
+pub struct SelfTest<'a, O: ActorInput = Observation> {
     observation: &'a [u8],
     form: PhantomData<O>,
     degree: u8,
@@ -38,7 +38,7 @@ pub struct SelfTest<'a, O: Flown = Observation> {
 /// Bytes of a neighbour before its feature.
 const NEIGHBOUR_HEAD: usize = 3;
 
-impl<'a, O: Flown> SelfTest<'a, O> {
+impl<'a, O: ActorInput> SelfTest<'a, O> {
     fn take(bytes: &mut &'a [u8], feature: usize) -> Option<Self> {
         let (observation, rest) = O::split(bytes)?;
         let (&[degree, count], rest) = rest.split_first_chunk::<2>()?;
@@ -51,16 +51,16 @@ impl<'a, O: Flown> SelfTest<'a, O> {
         Some(Self { observation, form: PhantomData, degree, neighbours, feature, logits })
     }
 
-    fn holds(&self, actor: &FormActor<'_, O>) -> bool {
+    fn holds(&self, actor: &QuantisedActor<'_, O>) -> bool {
         let own = actor.encode(&O::read(self.observation));
         let neighbours =
             self.neighbours.chunks_exact((NEIGHBOUR_HEAD + self.feature).max(1)).map(|record| match record {
                 &[degree, low, high, ref feature @ ..] => NeighbourFeature {
                     values: bytemuck::try_cast_slice(feature).unwrap_or_default(),
                     degree,
-                    attended: i16::from_le_bytes([low, high]),
+                    attention_source: i16::from_le_bytes([low, high]),
                 },
-                _ => NeighbourFeature { values: &[], degree: 1, attended: 0 },
+                _ => NeighbourFeature { values: &[], degree: 1, attention_source: 0 },
             });
         let logits = actor.logits(&own, self.degree, neighbours);
         logits.iter().zip(self.logits.chunks_exact(2)).all(|(l, b)| l.to_le_bytes() == *b)
@@ -68,13 +68,13 @@ impl<'a, O: Flown> SelfTest<'a, O> {
 }
 
 /// The vectors in `bytes`, up to the first that cannot be read.
-pub(super) fn vectors<O: Flown>(bytes: &[u8], feature: usize) -> impl Iterator<Item = SelfTest<'_, O>> {
+pub(super) fn vectors<O: ActorInput>(bytes: &[u8], feature: usize) -> impl Iterator<Item = SelfTest<'_, O>> {
     let mut rest = bytes;
     core::iter::from_fn(move || SelfTest::take(&mut rest, feature))
 }
 
 /// Bytes that [`SELF_TESTS`] vectors take, if there are as many.
-pub(super) fn length<O: Flown>(bytes: &[u8], feature: usize) -> Option<usize> {
+pub(super) fn length<O: ActorInput>(bytes: &[u8], feature: usize) -> Option<usize> {
     let mut rest = bytes;
     for _ in 0..SELF_TESTS {
         SelfTest::<O>::take(&mut rest, feature)?;
@@ -84,7 +84,7 @@ pub(super) fn length<O: Flown>(bytes: &[u8], feature: usize) -> Option<usize> {
 
 /// Writes one vector into `out` and returns its length; `None` when it does not fit,
 /// or when there are more than 16 neighbours.
-pub fn write_self_test<O: Flown>(
+pub fn write_self_test<O: ActorInput>(
     out: &mut [u8],
     observation: &O,
     degree: u8,
@@ -105,14 +105,14 @@ pub fn write_self_test<O: Flown>(
     put(neighbours.len() as u8)?;
     for n in neighbours {
         put(n.degree)?;
-        n.attended.to_le_bytes().into_iter().try_for_each(&mut put)?;
+        n.attention_source.to_le_bytes().into_iter().try_for_each(&mut put)?;
         n.values.iter().try_for_each(|&h| put(h as u8))?;
     }
     logits.iter().flat_map(|l| l.to_le_bytes()).try_for_each(put)?;
     Some(at)
 }
 
-impl<O: Flown> FormActor<'_, O> {
+impl<O: ActorInput> QuantisedActor<'_, O> {
     /// Recomputes the file's self-test vectors. An actor that fails must not fly.
     ///
     /// # Errors

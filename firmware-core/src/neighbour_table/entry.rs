@@ -49,7 +49,7 @@ struct Doubt {
 struct Heard {
     step: u32,
     sequence: u16,
-    attended: i16,
+    attention_source: i16,
     degree: u8,
     values: [i8; MAX_FEATURE],
 }
@@ -104,7 +104,13 @@ impl Entry {
             *kept = v;
         }
         let step = feature.header().step;
-        self.feature = Some(Heard { step, sequence, attended: feature.attended(), degree: feature.degree(), values });
+        self.feature = Some(Heard {
+            step,
+            sequence,
+            attention_source: feature.attention_source(),
+            degree: feature.degree(),
+            values,
+        });
         Answer::Updated
     }
 
@@ -150,7 +156,11 @@ impl Entry {
     /// The feature, if it is young enough at `step`.
     pub(super) fn feature_at(&self, step: u32, width: usize) -> Option<NeighbourFeature<'_>> {
         let f = self.feature.as_ref().filter(|f| age(step, f.step, 1) == Age::Usable)?;
-        Some(NeighbourFeature { values: f.values.get(..width)?, degree: f.degree, attended: f.attended })
+        Some(NeighbourFeature {
+            values: f.values.get(..width)?,
+            degree: f.degree,
+            attention_source: f.attention_source,
+        })
     }
 
     fn age_ms(&self, now: Moment) -> i32 {

@@ -5,7 +5,8 @@ use firmware_core::action::ACTIONS;
 use firmware_core::actor::file::Body;
 use firmware_core::actor::layer::Layer;
 use firmware_core::actor::{
-    Aggregation, Dimensions, Flown, FormActor, Logits, NeighbourFeature, Provenance, SELF_TESTS, write_self_test,
+    ActorInput, Aggregation, Dimensions, Logits, NeighbourFeature, Provenance, QuantisedActor, SELF_TESTS,
+    write_self_test,
 };
 use firmware_core::observation::cells::{self, Cells, MAX_ACTIVE, VELOCITY};
 use firmware_core::observation::{LEN, Observation};
@@ -31,7 +32,7 @@ const SMALL: Dimensions =
     Dimensions { observation: LEN as u16, hidden: 24, feature: 16, head: 24, actions: ACTIONS as u16 };
 
 /// An observation for a self-test vector.
-pub trait Sampled: Flown {
+pub trait Sampled: ActorInput {
     /// A pseudo-random one.
     fn sampled(random: &mut Random) -> Self;
 
@@ -76,7 +77,7 @@ fn vector<O: Sampled>(
     let neighbours: Vec<_> = heads
         .iter()
         .zip(&values)
-        .map(|(&(degree, attended), values)| NeighbourFeature { values, degree, attended })
+        .map(|(&(degree, attention_source), values)| NeighbourFeature { values, degree, attention_source })
         .collect();
     let degree = neighbours.len() as u8 + 1;
     let mut out = [0; 2048];
@@ -132,7 +133,7 @@ fn made<O: Sampled>(dimensions: Dimensions, aggregation: Aggregation, seed: u64)
         content_hash: 0,
     };
     // Twice: the logits come from the actor itself, which first has to load.
-    let vectors = |actor: Option<&FormActor<'_, O>>| -> Vec<u8> {
+    let vectors = |actor: Option<&QuantisedActor<'_, O>>| -> Vec<u8> {
         let mut random = Random(!seed);
         let logits = |o: &O, degree: u8, neighbours: &[NeighbourFeature<'_>]| {
             actor.map_or([0; ACTIONS], |a| a.logits(&a.encode(o), degree, neighbours.iter().copied()))
@@ -148,7 +149,7 @@ fn made<O: Sampled>(dimensions: Dimensions, aggregation: Aggregation, seed: u64)
     let blank = vectors(None);
     body.self_tests = &blank;
     let draft = store(&body);
-    let known = vectors(Some(&FormActor::load(&draft).unwrap()));
+    let known = vectors(Some(&QuantisedActor::load(&draft).unwrap()));
     body.self_tests = &known;
     store(&body)
 }

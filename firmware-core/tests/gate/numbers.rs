@@ -1,7 +1,7 @@
 //! Telemetry's floats, and the number that says "still the same gate".
 
 use firmware_core::gate::telemetry::{Refused, millimetres, millimetres_per_second};
-use firmware_core::gate::{SIGNATURE_TICKS, signature};
+use firmware_core::gate::{FINGERPRINT_TICKS, fingerprint};
 use proptest::prelude::*;
 
 #[test]
@@ -34,5 +34,5 @@ proptest! {
 /// Changes on purpose only, and is the same on every target (`cargo xtask targets`).
 #[test]
 fn the_signature_is_still_the_same() {
-    assert_eq!(format!("{:016x}", signature(SIGNATURE_TICKS)), "ea8866c408566337");
+    assert_eq!(format!("{:016x}", fingerprint(FINGERPRINT_TICKS)), "ea8866c408566337");
 }

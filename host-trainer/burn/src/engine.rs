@@ -4,14 +4,14 @@ use crate::device::{Kind, NoDevice};
 use crate::networks::{Parameters, logits, values};
 use crate::packed::Packed;
 use burn::tensor::{Device, Tensor, TensorData, Transaction};
-use covey_net::{Engine, EngineError, Layout, Outputs, Rows, Seen};
+use covey_net::{Engine, EngineError, GraphBatch, Outputs, ParameterLayout, Rows};
 use firmware_core::actor::Aggregation;
 
 /// Actor and critic on a device.
 pub struct BurnEngine {
     device: Device,
     name: String,
-    layouts: [Layout; 2],
+    layouts: [ParameterLayout; 2],
     aggregation: Aggregation,
     inputs: usize,
     /// Flat vectors of actor and critic.
@@ -25,7 +25,7 @@ impl BurnEngine {
     ///
     /// # Errors
     /// When there is no such device.
-    pub fn open(kind: Kind, layouts: [Layout; 2], aggregation: Aggregation) -> Result<Self, NoDevice> {
+    pub fn open(kind: Kind, layouts: [ParameterLayout; 2], aggregation: Aggregation) -> Result<Self, NoDevice> {
         let (device, name) = kind.open()?;
         let parameters = [0, 1].map(|k: usize| Tensor::zeros([layouts[k].len()], &device));
         let (inputs, _) = layouts[0].shape("encoder1");
@@ -64,7 +64,7 @@ impl Engine for BurnEngine {
         self.parameters = parameters.map(|p| Tensor::from_data(TensorData::from(p), &self.device));
     }
 
-    fn forward(&mut self, seen: &[Seen<'_>], out: &mut Outputs) -> Result<(), EngineError> {
+    fn forward(&mut self, seen: &[GraphBatch<'_>], out: &mut Outputs) -> Result<(), EngineError> {
         let outputs = self.outputs(&self.parameters, &Packed::new(seen, &self.device));
         let [logits, values] = self.read(outputs)?;
         fill(&mut out.logits, &logits);
@@ -72,7 +72,7 @@ impl Engine for BurnEngine {
         Ok(())
     }
 
-    fn hold(&mut self, seen: &[Seen<'_>]) {
+    fn hold(&mut self, seen: &[GraphBatch<'_>]) {
         // Before the new ones: both may not fit.
         self.held = None;
         self.held = Some(Packed::new(seen, &self.device));

@@ -4,7 +4,7 @@
 use burn::tensor::activation::{leaky_relu, relu, softmax};
 use burn::tensor::module::linear;
 use burn::tensor::{Int, Tensor};
-use covey_net::{Layout, Piece};
+use covey_net::{ParameterBlock, ParameterLayout};
 use firmware_core::actor::Aggregation;
 
 /// Slope of the attention's leaky ReLU below zero.
@@ -24,13 +24,13 @@ pub struct Batch {
 
 /// A network's parameters, cut from its flat vector.
 pub struct Parameters<'l> {
-    layout: &'l Layout,
+    layout: &'l ParameterLayout,
     flat: Tensor<1>,
 }
 
 impl<'l> Parameters<'l> {
     /// Of a network of this layout.
-    pub fn new(layout: &'l Layout, flat: &Tensor<1>) -> Self {
+    pub fn new(layout: &'l ParameterLayout, flat: &Tensor<1>) -> Self {
         Self { layout, flat: flat.clone() }
     }
 
@@ -46,7 +46,7 @@ impl<'l> Parameters<'l> {
         self.flat.clone().narrow(0, p.start, p.len())
     }
 
-    fn piece(&self, name: &str) -> &Piece {
+    fn piece(&self, name: &str) -> &ParameterBlock {
         self.layout.pieces().iter().find(|p| p.name == name).unwrap_or_else(|| panic!("no piece {name}"))
     }
 

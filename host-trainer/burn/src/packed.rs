@@ -3,8 +3,8 @@
 
 use crate::networks::{Batch, unpack_neighbours, unpack_observations};
 use burn::tensor::{Device, Int, Tensor, TensorData};
-use covey_env::Links;
-use covey_net::Seen;
+use covey_env::Neighbourhood;
+use covey_net::GraphBatch;
 use firmware_core::observation::{LEN, Observation};
 
 /// Words of four observed numbers each.
@@ -25,7 +25,7 @@ impl Packed {
     ///
     /// # Panics
     /// When there are none, or not all of them have the same number of UAVs.
-    pub fn new(seen: &[Seen<'_>], device: &Device) -> Self {
+    pub fn new(seen: &[GraphBatch<'_>], device: &Device) -> Self {
         let uavs = seen.first().map_or(0, |s| s.uavs);
         assert!(uavs > 0 && seen.iter().all(|s| s.uavs == uavs), "world-steps of the same number of UAVs");
         let mut words = Vec::with_capacity(seen.iter().map(|s| s.observations.len() * OBSERVATION_WORDS).sum());
@@ -75,7 +75,7 @@ fn pack_observation(observation: &Observation, words: &mut Vec<i32>) {
 }
 
 /// A row of bits a UAV: itself and its neighbours.
-fn pack_neighbours(world: &[Links], words: &mut Vec<i32>) {
+fn pack_neighbours(world: &[Neighbourhood], words: &mut Vec<i32>) {
     let width = world.len().div_ceil(32);
     for (i, link) in world.iter().enumerate() {
         let first = words.len();

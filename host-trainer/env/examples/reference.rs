@@ -5,7 +5,7 @@
 use covey_env::baselines::{Centroid, Follower, Greedy, Hover, Planner, Random, RememberingPlanner};
 use covey_env::cover::best_sites;
 use covey_env::oracles::{FlyToSites, evaluate_parked};
-use covey_env::{EpisodeMetrics, Evaluation, Law, Scenario, ScenarioError, World, evaluate, policy_seed};
+use covey_env::{EpisodeMetrics, Evaluation, PoiDistribution, Scenario, ScenarioError, World, evaluate, policy_seed};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut args = std::env::args().skip(1);
@@ -14,26 +14,30 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     print!("{:22}", "");
     EpisodeMetrics::NAMES.iter().for_each(|name| print!("{name:>17}"));
     println!();
-    for law in [Law::Clustered, Law::Uniform] {
-        let scenario = Scenario { law, ..Scenario::default() };
-        show(law, "random", || evaluate(&scenario, seed, worlds, |i| Random::new(seed, i)))?;
-        show(law, "hover", || evaluate(&scenario, seed, worlds, |_| Hover))?;
-        show(law, "greedy", || evaluate(&scenario, seed, worlds, |_| Greedy::new()))?;
-        show(law, "centroid", || evaluate(&scenario, seed, worlds, |i| Centroid::new(seed, i)))?;
-        show(law, "follower", || evaluate(&scenario, seed, worlds, |i| Follower::new(policy_seed(seed, i))))?;
-        show(law, "planner", || evaluate(&scenario, seed, worlds, |_| Planner::new()))?;
-        show(law, "remembering", || evaluate(&scenario, seed, worlds, |_| RememberingPlanner::new()))?;
-        show(law, "oracle", || evaluate(&scenario, seed, worlds, |_| FlyToSites::new()))?;
-        show(law, "parked", || evaluate_parked(&scenario, seed, worlds))?;
+    for distribution in [PoiDistribution::Clustered, PoiDistribution::Uniform] {
+        let scenario = Scenario { distribution, ..Scenario::default() };
+        show(distribution, "random", || evaluate(&scenario, seed, worlds, |i| Random::new(seed, i)))?;
+        show(distribution, "hover", || evaluate(&scenario, seed, worlds, |_| Hover))?;
+        show(distribution, "greedy", || evaluate(&scenario, seed, worlds, |_| Greedy::new()))?;
+        show(distribution, "centroid", || evaluate(&scenario, seed, worlds, |i| Centroid::new(seed, i)))?;
+        show(distribution, "follower", || evaluate(&scenario, seed, worlds, |i| Follower::new(policy_seed(seed, i))))?;
+        show(distribution, "planner", || evaluate(&scenario, seed, worlds, |_| Planner::new()))?;
+        show(distribution, "remembering", || evaluate(&scenario, seed, worlds, |_| RememberingPlanner::new()))?;
+        show(distribution, "oracle", || evaluate(&scenario, seed, worlds, |_| FlyToSites::new()))?;
+        show(distribution, "parked", || evaluate_parked(&scenario, seed, worlds))?;
         prove(&scenario, seed, worlds)?;
     }
     Ok(())
 }
 
-fn show(law: Law, name: &str, run: impl Fn() -> Result<Evaluation, ScenarioError>) -> Result<(), ScenarioError> {
+fn show(
+    distribution: PoiDistribution,
+    name: &str,
+    run: impl Fn() -> Result<Evaluation, ScenarioError>,
+) -> Result<(), ScenarioError> {
     let start = std::time::Instant::now();
     let evaluation = run()?;
-    print!("{:22}", format!("{law:?} {name}"));
+    print!("{:22}", format!("{distribution:?} {name}"));
     let (mean, error) = (evaluation.mean().values(), evaluation.standard_error().values());
     mean.iter().zip(error).for_each(|(m, e)| print!("{:>17}", format!("{m:.3} ±{e:.3}")));
     println!("{:8.2} s", start.elapsed().as_secs_f64());

@@ -3,7 +3,7 @@
 //! `cargo run --release -p covey-env --example speed`
 
 use covey_env::baselines::{Centroid, Random};
-use covey_env::{Links, Observer, Policy, Scenario, World};
+use covey_env::{Neighbourhood, Observer, Policy, Scenario, World};
 use firmware_core::action::Action;
 use firmware_core::observation::LEN;
 use std::time::Instant;
@@ -33,7 +33,7 @@ fn measure(name: &str, scenario: &Scenario, policy: &mut dyn Policy) -> Result<(
     }
     let mut observer = Observer::new(1, 1);
     let mut out = vec![[0; LEN]; scenario.uavs];
-    let mut links = vec![Links::default(); scenario.uavs];
+    let mut links = vec![Neighbourhood::default(); scenario.uavs];
     let mut rate = |observe: bool| {
         let (start, mut agent_steps) = (Instant::now(), 0);
         while start.elapsed().as_secs_f64() < 0.5 {

@@ -1,30 +1,30 @@
 //! The int8 actor in a world: every UAV encodes, hears its neighbours and decides as on
 //! board, with every message arriving at once.
 
+use crate::observer::{Neighbourhood, Observer};
 use crate::policy::Policy;
-use crate::sight::{Links, Observer};
 use crate::world::World;
 use firmware_core::action::Action;
-use firmware_core::actor::{Feature, Flown, FormActor, Logits, Mode, NeighbourFeature};
+use firmware_core::actor::{ActorInput, Feature, Logits, Mode, NeighbourFeature, QuantisedActor};
 use firmware_core::observation::Observation;
 
 /// Flies all UAVs of a world with one actor.
 #[derive(Clone, Debug)]
-pub struct ActorPolicy<'a, O: Flown = Observation> {
-    actor: FormActor<'a, O>,
+pub struct ActorPolicy<'a, O: ActorInput = Observation> {
+    actor: QuantisedActor<'a, O>,
     seed: u64,
     mode: Mode,
     observer: Observer,
     observations: Vec<O>,
-    links: Vec<Links>,
+    links: Vec<Neighbourhood>,
     features: Vec<Feature>,
 }
 
-impl<'a, O: Flown> ActorPolicy<'a, O> {
+impl<'a, O: ActorInput> ActorPolicy<'a, O> {
     /// `seed` is the policy seed that all UAVs share; each draws from it by its id and
     /// the step.
     #[must_use]
-    pub fn new(actor: FormActor<'a, O>, seed: u64, mode: Mode) -> Self {
+    pub fn new(actor: QuantisedActor<'a, O>, seed: u64, mode: Mode) -> Self {
         Self {
             actor,
             seed,
@@ -40,7 +40,7 @@ impl<'a, O: Flown> ActorPolicy<'a, O> {
     pub fn look(&mut self, world: &World) {
         let n = world.scenario().uavs;
         self.observations.resize(n, O::BLANK);
-        self.links.resize(n, Links::default());
+        self.links.resize(n, Neighbourhood::default());
         self.observer.observe(world, &mut self.observations, &mut self.links);
         self.features.clear();
         self.features.extend(self.observations.iter().map(|o| self.actor.encode(o)));
@@ -54,7 +54,7 @@ impl<'a, O: Flown> ActorPolicy<'a, O> {
 
     /// Neighbours of all UAVs at the last [`Self::look`].
     #[must_use]
-    pub fn links(&self) -> &[Links] {
+    pub fn links(&self) -> &[Neighbourhood] {
         &self.links
     }
 
@@ -90,16 +90,20 @@ impl<'a, O: Flown> ActorPolicy<'a, O> {
 pub fn heard<'f>(
     features: &'f [Feature],
     width: usize,
-    links: &'f [Links],
+    links: &'f [Neighbourhood],
     i: usize,
 ) -> impl Iterator<Item = NeighbourFeature<'f>> {
     links[i].as_slice().iter().map(move |&j| {
         let (feature, link) = (&features[usize::from(j)], &links[usize::from(j)]);
-        NeighbourFeature { values: &feature.values[..width], degree: link.count + 1, attended: feature.attended }
+        NeighbourFeature {
+            values: &feature.values[..width],
+            degree: link.count + 1,
+            attention_source: feature.attention_source,
+        }
     })
 }
 
-impl<O: Flown> Policy for ActorPolicy<'_, O> {
+impl<O: ActorInput> Policy for ActorPolicy<'_, O> {
     fn act(&mut self, world: &World, actions: &mut [Action]) {
         self.look(world);
         for (i, action) in actions.iter_mut().enumerate() {

@@ -1,7 +1,7 @@
 //! Where UAVs and PoIs stand at reset.
 
 use crate::random::{between, normal_pair, stream};
-use crate::scenario::{Law, Scenario};
+use crate::scenario::{PoiDistribution, Scenario};
 use rand_chacha::ChaCha8Rng;
 
 /// Clouds of PoIs in a clustered world.
@@ -20,9 +20,9 @@ const SPAWN_MARGIN: f64 = 0.1;
 pub(crate) fn draw(scenario: &Scenario, seed: u64, index: u64, uav: Points<'_>, poi: Points<'_>) {
     let side = f64::from(scenario.side_u);
     let mut rng = stream("covey layout", seed, index);
-    match scenario.law {
-        Law::Clustered => clustered(&mut rng, side, poi),
-        Law::Uniform => uniform(&mut rng, 0.0, side, poi),
+    match scenario.distribution {
+        PoiDistribution::Clustered => clustered(&mut rng, side, poi),
+        PoiDistribution::Uniform => uniform(&mut rng, 0.0, side, poi),
     }
     uniform(&mut rng, SPAWN_MARGIN * side, (1.0 - SPAWN_MARGIN) * side, uav);
 }
@@ -91,8 +91,8 @@ mod tests {
 
     #[test]
     fn everything_lies_in_its_square() {
-        for law in [Law::Clustered, Law::Uniform] {
-            let s = Scenario { law, pois: 121, ..Scenario::default() };
+        for distribution in [PoiDistribution::Clustered, PoiDistribution::Uniform] {
+            let s = Scenario { distribution, pois: 121, ..Scenario::default() };
             for index in 0..50 {
                 let (ux, uy, px, py) = sample(&s, index);
                 assert!(ux.iter().chain(&uy).all(|v| (20.0..=180.0).contains(v)));

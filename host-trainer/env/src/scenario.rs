@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// How PoIs are scattered at reset.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Law {
+pub enum PoiDistribution {
     /// Three normal clouds, centres at least a quarter of the side apart.
     #[default]
     Clustered,
@@ -24,7 +24,7 @@ pub struct Scenario {
     /// Number of PoIs, 1 to [`Scenario::MAX_POIS`].
     pub pois: usize,
     /// How PoIs are scattered.
-    pub law: Law,
+    pub distribution: PoiDistribution,
     /// Side of the square map, u, [`Scenario::MIN_SIDE_U`] to [`Scenario::MAX_SIDE_U`].
     /// The laws of the reset scale with it; the ranges do not.
     pub side_u: f32,
@@ -51,7 +51,7 @@ pub enum ScenarioError {
 
 impl Default for Scenario {
     fn default() -> Self {
-        Self { uavs: 20, pois: 120, law: Law::Clustered, side_u: MAP_SIDE_U, steps: 100 }
+        Self { uavs: 20, pois: 120, distribution: PoiDistribution::Clustered, side_u: MAP_SIDE_U, steps: 100 }
     }
 }
 

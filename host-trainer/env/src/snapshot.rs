@@ -1,7 +1,7 @@
 //! A world in the middle of an episode, to go on from later.
 
 use crate::metrics::Totals;
-use crate::world::{LayoutError, World};
+use crate::world::{PlacementError, World};
 use serde::{Deserialize, Serialize};
 
 /// All that a [`World`] of a known scenario needs to go on exactly as if it had never
@@ -46,15 +46,15 @@ impl World {
     /// # Errors
     /// When the snapshot is of another number of UAVs or PoIs, puts one outside the map
     /// or has a velocity that is not finite; the world is then unchanged.
-    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), LayoutError> {
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), PlacementError> {
         for (index, &Uav { velocity: (vx, vy), .. }) in snapshot.uavs.iter().enumerate() {
             if !(vx.is_finite() && vy.is_finite()) {
-                return Err(LayoutError::Velocity { index, vx, vy });
+                return Err(PlacementError::Velocity { index, vx, vy });
             }
         }
         let uavs: Vec<_> = snapshot.uavs.iter().map(|u| u.position).collect();
         let pois: Vec<_> = snapshot.pois.iter().map(|p| p.position).collect();
-        self.set_layout(&uavs, &pois)?;
+        self.set_positions(&uavs, &pois)?;
         for (i, uav) in snapshot.uavs.iter().enumerate() {
             (self.vx[i], self.vy[i]) = uav.velocity;
         }
@@ -106,6 +106,6 @@ mod tests {
     fn a_snapshot_of_another_scenario_is_refused() {
         let world = |uavs| World::new(&Scenario { uavs, ..Scenario::default() }).unwrap();
         let error = world(5).restore(&world(6).snapshot()).unwrap_err();
-        assert_eq!(error, LayoutError::Uavs { got: 6, want: 5 });
+        assert_eq!(error, PlacementError::Uavs { got: 6, want: 5 });
     }
 }

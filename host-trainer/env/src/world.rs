@@ -39,7 +39,7 @@ pub struct World {
 
 /// A layout that does not fit its world.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum LayoutError {
+pub enum PlacementError {
     /// Wrong number of UAVs.
     #[error("layout has {got} UAVs, the scenario {want}; give as many as the scenario says")]
     Uavs {
@@ -129,18 +129,18 @@ impl World {
     /// # Errors
     /// When the numbers are not the scenario's or a position is not on the map; the
     /// world is then unchanged.
-    pub fn set_layout(&mut self, uav: &[(f32, f32)], poi: &[(f32, f32)]) -> Result<(), LayoutError> {
+    pub fn set_positions(&mut self, uav: &[(f32, f32)], poi: &[(f32, f32)]) -> Result<(), PlacementError> {
         let Scenario { uavs, pois, side_u, .. } = self.scenario;
         if uav.len() != uavs {
-            return Err(LayoutError::Uavs { got: uav.len(), want: uavs });
+            return Err(PlacementError::Uavs { got: uav.len(), want: uavs });
         }
         if poi.len() != pois {
-            return Err(LayoutError::Pois { got: poi.len(), want: pois });
+            return Err(PlacementError::Pois { got: poi.len(), want: pois });
         }
         for (what, points) in [("UAV", uav), ("PoI", poi)] {
             for (index, &(x, y)) in points.iter().enumerate() {
                 if !((0.0..=side_u).contains(&x) && (0.0..=side_u).contains(&y)) {
-                    return Err(LayoutError::Outside { what, index, x, y, side_u });
+                    return Err(PlacementError::Outside { what, index, x, y, side_u });
                 }
             }
         }
@@ -196,7 +196,7 @@ impl World {
         self.totals.add(&self.score);
     }
 
-    /// Links, groups and scores of the present positions and velocities.
+    /// Neighbourhood, groups and scores of the present positions and velocities.
     pub(crate) fn refresh(&mut self) {
         for (e, (&vx, &vy)) in self.score.energy.iter_mut().zip(self.vx.iter().zip(&self.vy)) {
             *e = Score::energy_of(vx, vy);

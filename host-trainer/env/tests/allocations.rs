@@ -1,7 +1,7 @@
 //! A warm world neither allocates nor frees, nor does a swarm that flies over a link.
 
 use covey_env::radio::RadioPolicy;
-use covey_env::{Links, Observer, Policy, Scenario, World};
+use covey_env::{Neighbourhood, Observer, Policy, Scenario, World};
 use firmware_core::action::Action;
 use firmware_core::actor::{Actor, Mode};
 use firmware_core::observation::LEN;
@@ -43,7 +43,7 @@ fn a_warm_world_allocates_nothing() {
     let mut world = World::new(&scenario).unwrap();
     let mut observer = Observer::new(1, 1);
     let mut out = vec![[0; LEN]; scenario.uavs];
-    let mut links = vec![Links::default(); scenario.uavs];
+    let mut links = vec![Neighbourhood::default(); scenario.uavs];
     let mut actions = vec![Action::COAST; scenario.uavs];
     let mut episode = || {
         let before = CALLS.get();

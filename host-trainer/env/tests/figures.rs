@@ -3,13 +3,13 @@
 
 use covey_env::baselines::{Centroid, Follower, Greedy, Hover, Planner, Random, RememberingPlanner};
 use covey_env::oracles::{FlyToSites, evaluate_parked};
-use covey_env::{Evaluation, Law, Scenario, evaluate, policy_seed};
+use covey_env::{Evaluation, PoiDistribution, Scenario, evaluate, policy_seed};
 
 const WORLDS: u64 = 40;
 const SEED: u64 = 777;
 
-fn scenario(law: Law) -> Scenario {
-    Scenario { law, ..Scenario::default() }
+fn scenario(distribution: PoiDistribution) -> Scenario {
+    Scenario { distribution, ..Scenario::default() }
 }
 
 /// Means within 0.02 of the figure, besides what chance does with so few worlds.
@@ -30,8 +30,10 @@ fn assert_energy(evaluation: &Evaluation, figure: f64) {
 
 #[test]
 fn random_and_hover() {
-    for (law, random, hover) in [(Law::Clustered, 0.15, 0.19), (Law::Uniform, 0.136, 0.144)] {
-        let s = scenario(law);
+    for (distribution, random, hover) in
+        [(PoiDistribution::Clustered, 0.15, 0.19), (PoiDistribution::Uniform, 0.136, 0.144)]
+    {
+        let s = scenario(distribution);
         let r = evaluate(&s, SEED, WORLDS, |i| Random::new(1, i)).unwrap();
         assert_coverage(&r, random);
         assert_energy(&r, 0.91);
@@ -44,26 +46,31 @@ fn random_and_hover() {
 
 #[test]
 fn greedy() {
-    let e = evaluate(&scenario(Law::Clustered), SEED, WORLDS, |_| Greedy::new()).unwrap();
+    let e = evaluate(&scenario(PoiDistribution::Clustered), SEED, WORLDS, |_| Greedy::new()).unwrap();
     assert_coverage(&e, 0.365);
     assert_energy(&e, 0.61);
     assert_reward(&e, 391.0);
-    assert_coverage(&evaluate(&scenario(Law::Uniform), SEED, WORLDS, |_| Greedy::new()).unwrap(), 0.286);
+    assert_coverage(&evaluate(&scenario(PoiDistribution::Uniform), SEED, WORLDS, |_| Greedy::new()).unwrap(), 0.286);
 }
 
 #[test]
 fn centroid() {
-    let e = evaluate(&scenario(Law::Clustered), SEED, WORLDS, |i| Centroid::new(1, i)).unwrap();
+    let e = evaluate(&scenario(PoiDistribution::Clustered), SEED, WORLDS, |i| Centroid::new(1, i)).unwrap();
     assert_coverage(&e, 0.56);
     assert_energy(&e, 0.69);
     assert_reward(&e, 510.0);
-    assert_coverage(&evaluate(&scenario(Law::Uniform), SEED, WORLDS, |i| Centroid::new(1, i)).unwrap(), 0.349);
+    assert_coverage(
+        &evaluate(&scenario(PoiDistribution::Uniform), SEED, WORLDS, |i| Centroid::new(1, i)).unwrap(),
+        0.349,
+    );
 }
 
 #[test]
 fn follower() {
-    for (law, coverage, reward) in [(Law::Clustered, 0.592, 536.0), (Law::Uniform, 0.373, 341.0)] {
-        let e = evaluate(&scenario(law), SEED, WORLDS, |i| Follower::new(policy_seed(SEED, i))).unwrap();
+    for (distribution, coverage, reward) in
+        [(PoiDistribution::Clustered, 0.592, 536.0), (PoiDistribution::Uniform, 0.373, 341.0)]
+    {
+        let e = evaluate(&scenario(distribution), SEED, WORLDS, |i| Follower::new(policy_seed(SEED, i))).unwrap();
         assert_coverage(&e, coverage);
         assert_reward(&e, reward);
     }
@@ -71,23 +78,25 @@ fn follower() {
 
 #[test]
 fn planners() {
-    for (law, alone, remembering) in [(Law::Clustered, 0.60, 0.665), (Law::Uniform, 0.405, 0.451)] {
-        let e = evaluate(&scenario(law), SEED, WORLDS, |_| Planner::new()).unwrap();
+    for (distribution, alone, remembering) in
+        [(PoiDistribution::Clustered, 0.60, 0.665), (PoiDistribution::Uniform, 0.405, 0.451)]
+    {
+        let e = evaluate(&scenario(distribution), SEED, WORLDS, |_| Planner::new()).unwrap();
         assert_coverage(&e, alone);
-        if law == Law::Clustered {
+        if distribution == PoiDistribution::Clustered {
             assert_reward(&e, 563.0);
         }
-        let e = evaluate(&scenario(law), SEED, WORLDS / 4, |_| RememberingPlanner::new()).unwrap();
+        let e = evaluate(&scenario(distribution), SEED, WORLDS / 4, |_| RememberingPlanner::new()).unwrap();
         assert_coverage(&e, remembering);
     }
 }
 
 #[test]
 fn oracles() {
-    let parked = evaluate_parked(&scenario(Law::Clustered), SEED, WORLDS).unwrap();
+    let parked = evaluate_parked(&scenario(PoiDistribution::Clustered), SEED, WORLDS).unwrap();
     assert_coverage(&parked, 0.856);
-    assert_coverage(&evaluate_parked(&scenario(Law::Uniform), SEED, WORLDS).unwrap(), 0.605);
-    let flown = evaluate(&scenario(Law::Clustered), SEED, WORLDS, |_| FlyToSites::new()).unwrap();
+    assert_coverage(&evaluate_parked(&scenario(PoiDistribution::Uniform), SEED, WORLDS).unwrap(), 0.605);
+    let flown = evaluate(&scenario(PoiDistribution::Clustered), SEED, WORLDS, |_| FlyToSites::new()).unwrap();
     assert_coverage(&flown, 0.736);
     assert_energy(&flown, 0.63);
     assert_reward(&flown, 742.0);

@@ -1,11 +1,11 @@
 //! The link model through its public interface: what it does to datagrams, how often, and
 //! that nothing but the seed and the datagrams themselves decides it.
 
-use covey_env::radio::{Counts, LinkError, LinkSettings, MAX_NODES, Radio};
+use covey_env::radio::{Counts, MAX_NODES, Radio, RadioError, RadioSettings};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 
-fn link(text: &str) -> LinkSettings {
+fn link(text: &str) -> RadioSettings {
     text.parse().expect("a link")
 }
 
@@ -71,7 +71,7 @@ fn losses_come_as_often_as_they_should_one_by_one_or_in_bursts() {
     for (loss, burst) in
         [(0.1, None), (0.5, None), (0.1, Some(3.0)), (0.3, Some(1.43)), (0.3, Some(8.0)), (0.5, Some(2.0))]
     {
-        let settings = LinkSettings { loss, burst, ..LinkSettings::default() };
+        let settings = RadioSettings { loss, burst, ..RadioSettings::default() };
         let mut r = Radio::new(&settings, 2, 11).unwrap();
         let arrived = arrivals(&mut r, N, 1);
         let share = 1.0 - arrived.len() as f64 / f64::from(N);
@@ -143,22 +143,22 @@ fn damage_flips_one_to_four_bits_of_a_copy() {
 
 #[test]
 fn a_link_that_cannot_be_is_refused() {
-    let refused = |settings: &LinkSettings, nodes| Radio::new(settings, nodes, 0).unwrap_err();
-    let default = LinkSettings::default();
-    assert_eq!(refused(&default, 0), LinkError::Nodes(0));
-    assert_eq!(refused(&default, MAX_NODES + 1), LinkError::Nodes(MAX_NODES + 1));
-    let bad = LinkSettings { loss: 1.1, ..default };
-    assert_eq!(refused(&bad, 2), LinkError::Share { key: "loss", value: 1.1 });
+    let refused = |settings: &RadioSettings, nodes| Radio::new(settings, nodes, 0).unwrap_err();
+    let default = RadioSettings::default();
+    assert_eq!(refused(&default, 0), RadioError::Nodes(0));
+    assert_eq!(refused(&default, MAX_NODES + 1), RadioError::Nodes(MAX_NODES + 1));
+    let bad = RadioSettings { loss: 1.1, ..default };
+    assert_eq!(refused(&bad, 2), RadioError::Share { key: "loss", value: 1.1 });
 }
 
-fn any_link() -> impl Strategy<Value = LinkSettings> {
+fn any_link() -> impl Strategy<Value = RadioSettings> {
     let share = || prop_oneof![Just(0.0), 0.0f64..=1.0];
     let burst = prop::option::of(0.0f64..20.0);
     (share(), burst, 0u32..3_000, 0u32..3_000, share(), share(), share(), prop::option::of(1.0f32..200.0)).prop_map(
         |(loss, extra, delay_ms, jitter_ms, duplicate, reorder, corrupt, range_u)| {
             let least = if loss < 1.0 { 1.0 / (1.0 - loss) } else { 1.0 };
             let burst = extra.map(|e| least + e);
-            LinkSettings { loss, burst, delay_ms, jitter_ms, duplicate, reorder, corrupt, range_u }
+            RadioSettings { loss, burst, delay_ms, jitter_ms, duplicate, reorder, corrupt, range_u }
         },
     )
 }
@@ -246,8 +246,8 @@ proptest! {
     /// What else a link does never changes which datagrams it loses.
     #[test]
     fn losses_are_the_same_whatever_else_happens(settings in any_link(), seed: u64) {
-        let only = LinkSettings { loss: settings.loss, burst: settings.burst, ..LinkSettings::default() };
-        let lost = |settings: &LinkSettings| {
+        let only = RadioSettings { loss: settings.loss, burst: settings.burst, ..RadioSettings::default() };
+        let lost = |settings: &RadioSettings| {
             let mut r = Radio::new(settings, 2, seed).unwrap();
             let lost_now = |r: &mut Radio| { r.send(0, 0, 1, b"abc"); r.counts().lost };
             (0..60).map(|_| lost_now(&mut r)).collect::<Vec<_>>()

@@ -2,9 +2,9 @@
 //! brings, always the same.
 
 use covey_env::radio::{
-    DECIDE_MS, ENCODE_MS, LinkError, LinkFigures, LinkSettings, RadioObserver, RadioPolicy, evaluate_over,
+    DECIDE_MS, ENCODE_MS, RadioError, RadioFigures, RadioObserver, RadioPolicy, RadioSettings, evaluate_over,
 };
-use covey_env::{ActorPolicy, Evaluation, Law, Links, Observer, Scenario, World, evaluate};
+use covey_env::{ActorPolicy, Evaluation, Neighbourhood, Observer, PoiDistribution, Scenario, World, evaluate};
 use firmware_core::action::Action;
 use firmware_core::actor::{Actor, Mode};
 use firmware_core::observation::LEN;
@@ -29,12 +29,12 @@ fn gcn() -> Actor<'static> {
     Actor::load(&FILES[1]).expect("sound")
 }
 
-fn link(text: &str) -> LinkSettings {
+fn link(text: &str) -> RadioSettings {
     text.parse().expect("a link")
 }
 
 /// Flies one world both ways and compares each step; returns the number of links met.
-fn assert_same_flight(actor: Actor<'_>, scenario: &Scenario, mode: Mode, link: &LinkSettings, index: u64) -> u64 {
+fn assert_same_flight(actor: Actor<'_>, scenario: &Scenario, mode: Mode, link: &RadioSettings, index: u64) -> u64 {
     let mut world = World::new(scenario).expect("a scenario");
     world.reset(SEED, index);
     let mut trained = ActorPolicy::new(actor, SEED, mode);
@@ -52,7 +52,7 @@ fn assert_same_flight(actor: Actor<'_>, scenario: &Scenario, mode: Mode, link: &
         }
         world.step(&actions);
     }
-    let LinkFigures { neighbours, known, ghosts, .. } = flown.figures();
+    let RadioFigures { neighbours, known, ghosts, .. } = flown.figures();
     assert_eq!((known, ghosts), (neighbours, 0), "{link}");
     neighbours
 }
@@ -76,7 +76,7 @@ fn over_a_perfect_link_it_is_the_policy_without_one() {
 /// More UAVs in reach than a table holds.
 #[test]
 fn a_dense_swarm_too() {
-    let scenario = Scenario { uavs: 70, pois: 60, side_u: 80.0, steps: 15, law: Law::Uniform };
+    let scenario = Scenario { uavs: 70, pois: 60, side_u: 80.0, steps: 15, distribution: PoiDistribution::Uniform };
     for text in ["range_u=34", "perfect"] {
         assert_same_flight(gcn(), &scenario, Mode::Sample, &link(text), 3);
     }
@@ -86,13 +86,13 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
     #[test]
     fn and_every_swarm(uavs in 1usize..40, side_u in 60.0f32..200.0, seed: u64, reach in 34.0f32..100.0) {
-        let scenario = Scenario { uavs, pois: 40, side_u, steps: 12, law: Law::Clustered };
-        let link = LinkSettings { range_u: Some(reach), jitter_ms: 400, ..LinkSettings::default() };
+        let scenario = Scenario { uavs, pois: 40, side_u, steps: 12, distribution: PoiDistribution::Clustered };
+        let link = RadioSettings { range_u: Some(reach), jitter_ms: 400, ..RadioSettings::default() };
         assert_same_flight(gcn(), &scenario, Mode::Sample, &link, seed);
     }
 }
 
-fn flown(link: &LinkSettings, worlds: u64) -> (Evaluation, LinkFigures) {
+fn flown(link: &RadioSettings, worlds: u64) -> (Evaluation, RadioFigures) {
     let scenario = Scenario { steps: 25, ..Scenario::default() };
     let policy = RadioPolicy::new(gcn(), 0, Mode::Sample, link, scenario.uavs).expect("a link");
     evaluate_over(&scenario, 5, worlds, &policy, |i| i ^ 0x55).expect("a scenario")
@@ -102,12 +102,12 @@ fn flown(link: &LinkSettings, worlds: u64) -> (Evaluation, LinkFigures) {
 fn an_evaluation_over_a_perfect_link_is_one_without() {
     let scenario = Scenario { steps: 25, ..Scenario::default() };
     let without = evaluate(&scenario, 5, 6, |i| ActorPolicy::new(gcn(), i ^ 0x55, Mode::Sample)).unwrap();
-    assert_eq!(flown(&LinkSettings::default(), 6).0, without);
+    assert_eq!(flown(&RadioSettings::default(), 6).0, without);
 }
 
 #[test]
 fn a_policy_of_another_swarm_is_refused() {
-    let policy = RadioPolicy::new(gcn(), 0, Mode::Sample, &LinkSettings::default(), 3).unwrap();
+    let policy = RadioPolicy::new(gcn(), 0, Mode::Sample, &RadioSettings::default(), 3).unwrap();
     let refused = evaluate_over(&Scenario::default(), 5, 2, &policy, |i| i).unwrap_err();
     assert!(refused.to_string().contains("made for 3 UAVs, the scenario has 20"), "{refused}");
 }
@@ -138,7 +138,7 @@ fn a_silent_link_leaves_everyone_alone() {
 #[test]
 fn a_delay_makes_neighbours_late_and_then_unknown() {
     let share = |delay_ms: u64| {
-        let (_, f) = flown(&LinkSettings { delay_ms: delay_ms as u32, ..LinkSettings::default() }, 3);
+        let (_, f) = flown(&RadioSettings { delay_ms: delay_ms as u32, ..RadioSettings::default() }, 3);
         (f.known as f64 / f.neighbours as f64, f.features as f64 / f.neighbours as f64, f.ghosts)
     };
     assert_eq!(share(ENCODE_MS), (1.0, 1.0, 0));
@@ -175,13 +175,15 @@ fn an_episode_leaves_nothing_for_the_next() {
 }
 
 /// Observations and links of an episode, seen by `observe`, with random actions.
-fn seen(mut observe: impl FnMut(&World, &mut [[i8; LEN]], &mut [Links])) -> Vec<(Vec<[i8; LEN]>, Vec<Links>)> {
+fn seen(
+    mut observe: impl FnMut(&World, &mut [[i8; LEN]], &mut [Neighbourhood]),
+) -> Vec<(Vec<[i8; LEN]>, Vec<Neighbourhood>)> {
     let scenario = Scenario { steps: 25, ..Scenario::default() };
     let mut world = World::new(&scenario).unwrap();
     world.reset(3, 3);
     let mut all = Vec::new();
     while !world.done() {
-        let (mut out, mut links) = (vec![[0; LEN]; scenario.uavs], vec![Links::default(); scenario.uavs]);
+        let (mut out, mut links) = (vec![[0; LEN]; scenario.uavs], vec![Neighbourhood::default(); scenario.uavs]);
         observe(&world, &mut out, &mut links);
         all.push((out, links));
         let step = world.steps_done() as usize;
@@ -218,8 +220,8 @@ fn training_sees_what_flies() {
 
 #[test]
 fn an_observer_refuses_what_cannot_be() {
-    assert_eq!(RadioObserver::new(0).unwrap_err(), LinkError::Nodes(0));
+    assert_eq!(RadioObserver::new(0).unwrap_err(), RadioError::Nodes(0));
     let mut over = RadioObserver::new(2).unwrap();
-    let bad = LinkSettings { loss: 2.0, ..LinkSettings::default() };
-    assert_eq!(over.begin(1, 1, &bad), Err(LinkError::Share { key: "loss", value: 2.0 }));
+    let bad = RadioSettings { loss: 2.0, ..RadioSettings::default() };
+    assert_eq!(over.begin(1, 1, &bad), Err(RadioError::Share { key: "loss", value: 2.0 }));
 }

@@ -5,14 +5,14 @@ use crate::dense::{Bias, Dense, Gradient, Weights};
 use crate::encoder::{Encoder, EncoderGradient, EncoderPass};
 use crate::graph::{Attention, AttentionGradient, Edges};
 use crate::inputs::Inputs;
-use crate::layout::Layout;
 use crate::matrix::{From, Rows, To};
+use crate::parameter_layout::ParameterLayout;
 use firmware_core::actor::Aggregation;
 
 /// An actor's parameters as products read them.
 #[derive(Clone, Debug)]
 pub struct ActorNet {
-    layout: Layout,
+    layout: ParameterLayout,
     encoder: Encoder,
     own: Weights,
     head_bias: Bias,
@@ -30,7 +30,7 @@ struct GraphLayer {
 impl ActorNet {
     /// For this layout, of an actor; all zeros until [`Self::load`].
     #[must_use]
-    pub fn new(layout: &Layout, aggregation: Aggregation) -> Self {
+    pub fn new(layout: &ParameterLayout, aggregation: Aggregation) -> Self {
         Self {
             encoder: Encoder::new(layout),
             own: Weights::new(layout, "head own"),
@@ -84,7 +84,7 @@ struct GraphPass {
 impl ActorPass {
     /// For this layout, of an actor.
     #[must_use]
-    pub fn new(layout: &Layout) -> Self {
+    pub fn new(layout: &ParameterLayout) -> Self {
         let rows = |name| Rows::new(layout.shape(name).1);
         Self {
             encoder: EncoderPass::new(layout),
@@ -201,7 +201,7 @@ impl ActorPass {
 /// Gradient of an actor's parameters: sums over samples.
 #[derive(Clone, Debug)]
 pub struct ActorGradient {
-    layout: Layout,
+    layout: ParameterLayout,
     encoder: EncoderGradient,
     own: Gradient,
     head_bias: Gradient,
@@ -221,7 +221,7 @@ struct GraphGradient {
 impl ActorGradient {
     /// Zero, for this layout of an actor.
     #[must_use]
-    pub fn new(layout: &Layout) -> Self {
+    pub fn new(layout: &ParameterLayout) -> Self {
         Self {
             encoder: EncoderGradient::new(layout),
             own: Gradient::of_weights(layout, "head own"),

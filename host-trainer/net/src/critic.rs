@@ -5,13 +5,13 @@ use crate::dense::{Bias, Dense, Gradient, Weights};
 use crate::encoder::{Encoder, EncoderGradient, EncoderPass};
 use crate::inputs::Inputs;
 use crate::kernel::{Vectorised, vectorised};
-use crate::layout::Layout;
 use crate::matrix::{From, Rows, To};
+use crate::parameter_layout::ParameterLayout;
 
 /// A critic's parameters as products read them.
 #[derive(Clone, Debug)]
 pub struct CriticNet {
-    layout: Layout,
+    layout: ParameterLayout,
     encoder: Encoder,
     own: Weights,
     mean: Weights,
@@ -22,7 +22,7 @@ pub struct CriticNet {
 impl CriticNet {
     /// For this layout, of a critic; all zeros until [`Self::load`].
     #[must_use]
-    pub fn new(layout: &Layout) -> Self {
+    pub fn new(layout: &ParameterLayout) -> Self {
         Self {
             encoder: Encoder::new(layout),
             own: Weights::new(layout, "head own"),
@@ -61,7 +61,7 @@ pub struct CriticPass {
 impl CriticPass {
     /// For this layout, of a critic.
     #[must_use]
-    pub fn new(layout: &Layout) -> Self {
+    pub fn new(layout: &ParameterLayout) -> Self {
         let rows = |name| Rows::new(layout.shape(name).1);
         Self {
             encoder: EncoderPass::new(layout),
@@ -189,7 +189,7 @@ impl Vectorised for Share<'_> {
 /// Gradient of a critic's parameters: sums over samples.
 #[derive(Clone, Debug)]
 pub struct CriticGradient {
-    layout: Layout,
+    layout: ParameterLayout,
     encoder: EncoderGradient,
     own: Gradient,
     mean: Gradient,
@@ -201,7 +201,7 @@ pub struct CriticGradient {
 impl CriticGradient {
     /// Zero, for this layout of a critic.
     #[must_use]
-    pub fn new(layout: &Layout) -> Self {
+    pub fn new(layout: &ParameterLayout) -> Self {
         Self {
             encoder: EncoderGradient::new(layout),
             own: Gradient::of_weights(layout, "head own"),

@@ -1,10 +1,10 @@
 //! Fully connected layers.
 
 use crate::active::{ActiveRows, add_active, gather};
-use crate::inputs::Seen;
+use crate::inputs::InputRows;
 use crate::kernel::Aligned;
-use crate::layout::Layout;
 use crate::matrix::{From, Panels, Rows, To, add_outer, add_rows, multiply};
+use crate::parameter_layout::ParameterLayout;
 
 /// Name of the bias that goes with a piece.
 fn bias_of(name: &str) -> String {
@@ -24,13 +24,13 @@ impl Weights {
     ///
     /// # Panics
     /// When the layout has none.
-    pub fn new(layout: &Layout, name: &'static str) -> Self {
+    pub fn new(layout: &ParameterLayout, name: &'static str) -> Self {
         let (inputs, outputs) = layout.shape(name);
         Self { name, forward: Panels::zeros(inputs, outputs), backward: Panels::zeros(outputs, inputs) }
     }
 
     /// Takes the piece's numbers.
-    pub fn load(&mut self, layout: &Layout, values: &[f32]) {
+    pub fn load(&mut self, layout: &ParameterLayout, values: &[f32]) {
         let flat = layout.piece(values, self.name);
         self.forward.load(flat);
         self.backward.load_transposed(flat);
@@ -57,14 +57,14 @@ pub struct Bias {
 
 impl Bias {
     /// The bias of the piece of this name.
-    pub fn new(layout: &Layout, name: &str) -> Self {
+    pub fn new(layout: &ParameterLayout, name: &str) -> Self {
         let name = bias_of(name);
         let (_, width) = layout.shape(&name);
         Self { name, values: Aligned::zeros(crate::kernel::padded(width)), width }
     }
 
     /// Takes the piece's numbers.
-    pub fn load(&mut self, layout: &Layout, values: &[f32]) {
+    pub fn load(&mut self, layout: &ParameterLayout, values: &[f32]) {
         self.values[..self.width].copy_from_slice(layout.piece(values, &self.name));
     }
 
@@ -83,12 +83,12 @@ pub struct Dense {
 
 impl Dense {
     /// The piece of this name and its bias.
-    pub fn new(layout: &Layout, name: &'static str) -> Self {
+    pub fn new(layout: &ParameterLayout, name: &'static str) -> Self {
         Self { weights: Weights::new(layout, name), bias: Bias::new(layout, name) }
     }
 
     /// Takes the pieces' numbers.
-    pub fn load(&mut self, layout: &Layout, values: &[f32]) {
+    pub fn load(&mut self, layout: &ParameterLayout, values: &[f32]) {
         self.weights.load(layout, values);
         self.bias.load(layout, values);
     }
@@ -114,22 +114,22 @@ pub struct First {
 
 impl First {
     /// The piece of this name and its bias.
-    pub fn new(layout: &Layout, name: &'static str) -> Self {
+    pub fn new(layout: &ParameterLayout, name: &'static str) -> Self {
         let (inputs, outputs) = layout.shape(name);
         Self { name, weights: Panels::zeros(inputs, outputs), bias: Bias::new(layout, name) }
     }
 
     /// Takes the pieces' numbers.
-    pub fn load(&mut self, layout: &Layout, values: &[f32]) {
+    pub fn load(&mut self, layout: &ParameterLayout, values: &[f32]) {
         self.weights.load(layout.piece(values, self.name));
         self.bias.load(layout, values);
     }
 
     /// `out = relu(b + x·w)`.
-    pub fn forward(&self, x: &Seen, out: &mut Rows) {
+    pub fn forward(&self, x: &InputRows, out: &mut Rows) {
         match x {
-            Seen::Numbers(rows) => multiply(rows, &self.weights, self.bias.start(), To::Relu, out),
-            Seen::Active(rows) => gather(rows, &self.weights, &self.bias.values, out),
+            InputRows::Numbers(rows) => multiply(rows, &self.weights, self.bias.start(), To::Relu, out),
+            InputRows::Active(rows) => gather(rows, &self.weights, &self.bias.values, out),
         }
     }
 }
@@ -144,20 +144,20 @@ pub struct Gradient {
 
 impl Gradient {
     /// Of the weights of this name.
-    pub fn of_weights(layout: &Layout, name: &str) -> Self {
+    pub fn of_weights(layout: &ParameterLayout, name: &str) -> Self {
         let (inputs, outputs) = layout.shape(name);
         Self { name: name.to_owned(), sum: Panels::zeros(inputs, outputs), transposed: false }
     }
 
     /// Of weights with few outputs: summed the other way round, which keeps the kernel's
     /// rows long.
-    pub fn of_narrow_weights(layout: &Layout, name: &str) -> Self {
+    pub fn of_narrow_weights(layout: &ParameterLayout, name: &str) -> Self {
         let (inputs, outputs) = layout.shape(name);
         Self { name: name.to_owned(), sum: Panels::zeros(outputs, inputs), transposed: true }
     }
 
     /// Of the bias of the piece of this name.
-    pub fn of_bias(layout: &Layout, name: &str) -> Self {
+    pub fn of_bias(layout: &ParameterLayout, name: &str) -> Self {
         Self::of_weights(layout, &bias_of(name))
     }
 
@@ -186,7 +186,7 @@ impl Gradient {
     }
 
     /// Writes it to its place in a flat vector.
-    pub fn store(&self, layout: &Layout, out: &mut [f32]) {
+    pub fn store(&self, layout: &ParameterLayout, out: &mut [f32]) {
         let place = layout.piece_mut(out, &self.name);
         if self.transposed {
             self.sum.store_transposed(place);

@@ -1,9 +1,9 @@
 //! The encoder: two layers with ReLU, of the actor and of the critic alike.
 
 use crate::dense::{Dense, First, Gradient};
-use crate::inputs::{Inputs, Seen};
-use crate::layout::Layout;
+use crate::inputs::{InputRows, Inputs};
 use crate::matrix::{Rows, To};
+use crate::parameter_layout::ParameterLayout;
 
 /// Its weights.
 #[derive(Clone, Debug)]
@@ -32,12 +32,12 @@ pub struct EncoderGradient {
 
 impl Encoder {
     /// The encoder in this layout.
-    pub fn new(layout: &Layout) -> Self {
+    pub fn new(layout: &ParameterLayout) -> Self {
         Self { first: First::new(layout, "encoder1"), second: Dense::new(layout, "encoder2") }
     }
 
     /// Takes the parameters.
-    pub fn load(&mut self, layout: &Layout, values: &[f32]) {
+    pub fn load(&mut self, layout: &ParameterLayout, values: &[f32]) {
         self.first.load(layout, values);
         self.second.load(layout, values);
     }
@@ -45,7 +45,7 @@ impl Encoder {
 
 impl EncoderPass {
     /// For the encoder in this layout.
-    pub fn new(layout: &Layout) -> Self {
+    pub fn new(layout: &ParameterLayout) -> Self {
         let rows = |name| Rows::new(layout.shape(name).1);
         Self {
             hidden: rows("encoder1"),
@@ -66,8 +66,8 @@ impl EncoderPass {
         let (hidden, feature) = (self.hidden.width() as u64, self.feature.width() as u64);
         let first = hidden
             * match inputs.seen() {
-                Seen::Numbers(rows) => rows.marked(),
-                Seen::Active(rows) => rows.marked(),
+                InputRows::Numbers(rows) => rows.marked(),
+                InputRows::Active(rows) => rows.marked(),
             };
         let second = self.hidden.marked() * feature;
         [first + second, first + second + self.feature.marked() * hidden]
@@ -80,8 +80,8 @@ impl EncoderPass {
         second_bias.add_bias(&self.by_feature);
         encoder.second.backward(&self.by_feature, To::Gate(&self.hidden), &mut self.by_hidden);
         match inputs.seen() {
-            Seen::Numbers(rows) => first.add_weights(rows, &self.by_hidden),
-            Seen::Active(rows) => first.add_active(rows, &self.by_hidden),
+            InputRows::Numbers(rows) => first.add_weights(rows, &self.by_hidden),
+            InputRows::Active(rows) => first.add_active(rows, &self.by_hidden),
         }
         first_bias.add_bias(&self.by_hidden);
     }
@@ -89,7 +89,7 @@ impl EncoderPass {
 
 impl EncoderGradient {
     /// Zero.
-    pub fn new(layout: &Layout) -> Self {
+    pub fn new(layout: &ParameterLayout) -> Self {
         let weights = |name| Gradient::of_weights(layout, name);
         let bias = |name| Gradient::of_bias(layout, name);
         Self { pieces: [weights("encoder1"), bias("encoder1"), weights("encoder2"), bias("encoder2")] }
@@ -101,7 +101,7 @@ impl EncoderGradient {
     }
 
     /// Writes it to its places in a flat vector.
-    pub fn store(&self, layout: &Layout, out: &mut [f32]) {
+    pub fn store(&self, layout: &ParameterLayout, out: &mut [f32]) {
         self.pieces.iter().for_each(|p| p.store(layout, out));
     }
 }

@@ -1,20 +1,20 @@
 //! The seam behind which the networks may be computed elsewhere: on a GPU.
 
 use crate::matrix::Rows;
-use covey_env::Links;
+use covey_env::Neighbourhood;
 use firmware_core::action::ACTIONS;
 use firmware_core::observation::Observation;
 use thiserror::Error;
 
 /// What all UAVs of some world-steps see: an observation and the neighbours of each.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen<'s> {
+pub struct GraphBatch<'s> {
     /// UAVs in a world, the same in every one of a call.
     pub uavs: usize,
     /// Observations in the compact form, world-step by world-step.
     pub observations: &'s [Observation],
     /// Kept neighbours, as `observations`.
-    pub links: &'s [Links],
+    pub links: &'s [Neighbourhood],
 }
 
 /// Logits and normalised values of some world-steps, a row a UAV; in their places
@@ -66,7 +66,7 @@ pub enum EngineError {
 
 /// Computes both networks of many world-steps in one go.
 ///
-/// Parameters and gradients cross it as the flat vectors of [`Layout`](crate::Layout), actor
+/// Parameters and gradients cross it as the flat vectors of [`ParameterLayout`](crate::ParameterLayout), actor
 /// first; the optimiser stays on this side.
 pub trait Engine: Send {
     /// What it computes on, for messages.
@@ -79,10 +79,10 @@ pub trait Engine: Send {
     ///
     /// # Errors
     /// When the device fails.
-    fn forward(&mut self, seen: &[Seen<'_>], out: &mut Outputs) -> Result<(), EngineError>;
+    fn forward(&mut self, seen: &[GraphBatch<'_>], out: &mut Outputs) -> Result<(), EngineError>;
 
     /// Keeps world-steps for [`Self::gradient`], instead of those it kept before.
-    fn hold(&mut self, seen: &[Seen<'_>]);
+    fn hold(&mut self, seen: &[GraphBatch<'_>]);
 
     /// The gradients of a loss of some of the held world-steps, which are numbered in their
     /// order. `loss` is given their outputs and writes the gradient by them in their place.

@@ -3,10 +3,10 @@
 
 use crate::inputs::Inputs;
 use crate::kernel::{LANES, Vectorised, vectorised};
-use crate::layout::Layout;
 use crate::math::exp;
 use crate::matrix::Rows;
-use covey_env::Links;
+use crate::parameter_layout::ParameterLayout;
+use covey_env::Neighbourhood;
 use firmware_core::observation::MAX_NEIGHBOURS;
 
 /// Slope of the attention's leaky ReLU below zero.
@@ -23,7 +23,7 @@ pub struct Attention {
 
 impl Attention {
     /// From the actor's parameters.
-    pub fn load(&mut self, layout: &Layout, values: &[f32]) {
+    pub fn load(&mut self, layout: &ParameterLayout, values: &[f32]) {
         let w = layout.piece(values, "graph");
         for (half, name) in [(&mut self.receiver, "attention receiver"), (&mut self.sender, "attention sender")] {
             let a = layout.piece(values, name);
@@ -53,7 +53,7 @@ impl AttentionGradient {
 
     /// Adds the gradient by W and writes those by a₁ and a₂ to a flat vector that has the
     /// rest of W's gradient already.
-    pub fn store(&self, layout: &Layout, values: &[f32], out: &mut [f32]) {
+    pub fn store(&self, layout: &ParameterLayout, values: &[f32], out: &mut [f32]) {
         let w = layout.piece(values, "graph");
         for (half, name) in self.halves.iter().zip(["attention receiver", "attention sender"]) {
             let a = layout.piece(values, name);
@@ -108,7 +108,7 @@ impl Edges {
 
     /// Lists the edges.
     #[inline(always)]
-    fn list(&mut self, links: &[Links], uavs: usize) {
+    fn list(&mut self, links: &[Neighbourhood], uavs: usize) {
         self.ends.clear();
         self.to.clear();
         for (i, link) in links.iter().enumerate() {
@@ -123,7 +123,7 @@ impl Edges {
 
     /// Weights `1/√(d_i d_j)`; a degree counts the UAV itself.
     #[inline(always)]
-    fn weigh_by_degree(&mut self, links: &[Links]) {
+    fn weigh_by_degree(&mut self, links: &[Neighbourhood]) {
         let root: [f32; MAX_NEIGHBOURS + 1] = std::array::from_fn(|n| (n as f32 + 1.0).sqrt().recip());
         let mut first = 0;
         for (link, &end) in links.iter().zip(&self.ends) {

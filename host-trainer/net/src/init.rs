@@ -1,12 +1,12 @@
 //! Orthogonal initialisation.
 
-use crate::layout::Layout;
+use crate::parameter_layout::ParameterLayout;
 use covey_env::random::{normal_pair, stream};
 use rand_chacha::ChaCha8Rng;
 
 /// Fresh parameters: every weight matrix orthogonal times its gain, biases zero.
 #[must_use]
-pub fn initialise(layout: &Layout, purpose: &str, seed: u64) -> Vec<f32> {
+pub fn initialise(layout: &ParameterLayout, purpose: &str, seed: u64) -> Vec<f32> {
     let mut random = stream(purpose, seed, 0);
     let mut values = Vec::with_capacity(layout.len());
     for piece in layout.pieces() {

@@ -3,7 +3,7 @@
 use crate::active::ActiveRows;
 use crate::kernel::{padded, unpack};
 use crate::matrix::Rows;
-use covey_env::{Links, ObservationForm, SightsRef};
+use covey_env::{Neighbourhood, ObservationForm, ObservationSlice};
 use firmware_core::observation::{LEN, Observation};
 
 /// Samples of a pass: few enough that what it touches stays in a core's second-level
@@ -23,13 +23,13 @@ pub fn worlds_in_pass(uavs: usize, total: usize) -> usize {
 #[derive(Clone, Debug)]
 pub struct Inputs {
     uavs: usize,
-    seen: Seen,
-    links: Vec<Links>,
+    seen: InputRows,
+    links: Vec<Neighbourhood>,
 }
 
 /// What the first layer takes, a row a UAV.
 #[derive(Clone, Debug)]
-pub enum Seen {
+pub enum InputRows {
     /// Compact observations over 127.
     Numbers(Rows),
     /// Observations in cells.
@@ -44,7 +44,7 @@ impl Inputs {
     #[must_use]
     pub fn new(width: usize) -> Self {
         assert!(width <= LEN, "an observation has {LEN} numbers, not {width}");
-        Self { uavs: 1, seen: Seen::Numbers(Rows::new(width)), links: Vec::new() }
+        Self { uavs: 1, seen: InputRows::Numbers(Rows::new(width)), links: Vec::new() }
     }
 
     /// For networks that take whole observations of this form; none yet.
@@ -53,7 +53,7 @@ impl Inputs {
         match form {
             ObservationForm::Compact => Self::new(LEN),
             ObservationForm::Cells => {
-                Self { uavs: 1, seen: Seen::Active(ActiveRows::new(form.len())), links: Vec::new() }
+                Self { uavs: 1, seen: InputRows::Active(ActiveRows::new(form.len())), links: Vec::new() }
             }
         }
     }
@@ -62,8 +62,8 @@ impl Inputs {
     pub fn clear(&mut self, uavs: usize) {
         self.uavs = uavs;
         match &mut self.seen {
-            Seen::Numbers(rows) => rows.resize(0),
-            Seen::Active(rows) => rows.clear(),
+            InputRows::Numbers(rows) => rows.resize(0),
+            InputRows::Active(rows) => rows.clear(),
         }
         self.links.clear();
     }
@@ -72,15 +72,15 @@ impl Inputs {
     ///
     /// # Panics
     /// When they are not whole world-steps, or of another form than these inputs.
-    pub fn push<'s>(&mut self, observations: impl Into<SightsRef<'s>>, links: &[Links]) {
+    pub fn push<'s>(&mut self, observations: impl Into<ObservationSlice<'s>>, links: &[Neighbourhood]) {
         let before = self.links.len();
         self.links.extend_from_slice(links);
         let count = match (&mut self.seen, observations.into()) {
-            (Seen::Numbers(rows), SightsRef::Compact(all)) => {
+            (InputRows::Numbers(rows), ObservationSlice::Compact(all)) => {
                 push_numbers(rows, before, all);
                 all.len()
             }
-            (Seen::Active(rows), SightsRef::Cells(all)) => {
+            (InputRows::Active(rows), ObservationSlice::Cells(all)) => {
                 all.iter().for_each(|cells| rows.push(cells));
                 all.len()
             }
@@ -90,7 +90,7 @@ impl Inputs {
     }
 
     /// What the first layer takes.
-    pub(crate) const fn seen(&self) -> &Seen {
+    pub(crate) const fn seen(&self) -> &InputRows {
         &self.seen
     }
 
@@ -102,7 +102,7 @@ impl Inputs {
 
     /// Neighbours, UAV by UAV.
     #[must_use]
-    pub fn links(&self) -> &[Links] {
+    pub fn links(&self) -> &[Neighbourhood] {
         &self.links
     }
 }

@@ -1,7 +1,7 @@
 //! The networks of the trainer in floats: shared actor, central critic, and the
 //! gradients of both, written out by hand for CPUs.
 //!
-//! Parameters live in one flat vector a network ([`Layout`]), so that gradients of
+//! Parameters live in one flat vector a network ([`ParameterLayout`]), so that gradients of
 //! several parts are summed, clipped and applied as plain slices and a checkpoint is the
 //! vectors themselves. [`ActorNet`] and [`CriticNet`] hold them in the form in which
 //! products read them; [`ActorPass`] and [`CriticPass`] are the activations of some
@@ -22,15 +22,15 @@ mod graph;
 mod init;
 mod inputs;
 pub mod kernel;
-mod layout;
 mod math;
 pub mod matrix;
+mod parameter_layout;
 
 pub use actor::{ActorGradient, ActorNet, ActorPass};
 pub use critic::{CriticGradient, CriticNet, CriticPass};
-pub use engine::{Engine, EngineError, Outputs, Seen};
+pub use engine::{Engine, EngineError, GraphBatch, Outputs};
 pub use init::initialise;
 pub use inputs::{Inputs, worlds_in_pass};
-pub use layout::{Layout, Piece};
 pub use math::{exp, ln};
 pub use matrix::Rows;
+pub use parameter_layout::{ParameterBlock, ParameterLayout};

@@ -1,9 +1,10 @@
 //! The networks against the paper's equations written down in loops, and their gradients
 //! against slopes of those.
 
-use covey_env::{Law, Links, Observer, Scenario, World};
+use covey_env::{Neighbourhood, Observer, PoiDistribution, Scenario, World};
 use covey_net::{
-    ActorGradient, ActorNet, ActorPass, CriticGradient, CriticNet, CriticPass, Inputs, Layout, Rows, initialise,
+    ActorGradient, ActorNet, ActorPass, CriticGradient, CriticNet, CriticPass, Inputs, ParameterLayout, Rows,
+    initialise,
 };
 use firmware_core::action::{ACTIONS, Action};
 use firmware_core::actor::{Aggregation, Dimensions};
@@ -21,10 +22,10 @@ fn noise(k: usize) -> f64 {
 }
 
 /// What the UAVs of two crowded worlds see.
-fn situations() -> (Vec<Observation>, Vec<Links>) {
-    let scenario = Scenario { uavs: UAVS, pois: 30, side_u: 40.0, steps: 9, law: Law::Uniform };
+fn situations() -> (Vec<Observation>, Vec<Neighbourhood>) {
+    let scenario = Scenario { uavs: UAVS, pois: 30, side_u: 40.0, steps: 9, distribution: PoiDistribution::Uniform };
     let mut world = World::new(&scenario).expect("a scenario");
-    let (mut observations, mut links) = (vec![[0; LEN]; 2 * UAVS], vec![Links::default(); 2 * UAVS]);
+    let (mut observations, mut links) = (vec![[0; LEN]; 2 * UAVS], vec![Neighbourhood::default(); 2 * UAVS]);
     for k in 0..2 {
         world.reset(5, k as u64);
         world.step(&[Action::new(3).expect("an action"); UAVS]);
@@ -37,7 +38,7 @@ fn situations() -> (Vec<Observation>, Vec<Links>) {
 }
 
 /// A fresh network with biases that are not zero and outputs that are not tiny.
-fn parameters(layout: &Layout) -> Vec<f32> {
+fn parameters(layout: &ParameterLayout) -> Vec<f32> {
     let mut values = initialise(layout, "test", 7);
     values.iter_mut().enumerate().for_each(|(k, v)| *v += 0.3 * noise(k) as f32);
     values
@@ -47,7 +48,7 @@ fn parameters(layout: &Layout) -> Vec<f32> {
 
 /// A network's parameters by name.
 struct Named<'p> {
-    layout: &'p Layout,
+    layout: &'p ParameterLayout,
     values: &'p [f64],
 }
 
@@ -87,7 +88,7 @@ fn relu(v: Vec<f64>) -> Vec<f64> {
 
 /// Row i of the matrix by which features are weighed: `D^(−1/2) A D^(−1/2)` of equation
 /// (5), or α of equation (6).
-fn weights(p: &Named<'_>, aggregation: Aggregation, h: &[Vec<f64>], links: &[Links], i: usize) -> Vec<f64> {
+fn weights(p: &Named<'_>, aggregation: Aggregation, h: &[Vec<f64>], links: &[Neighbourhood], i: usize) -> Vec<f64> {
     // A has ones on its diagonal.
     let linked = |i: usize, j: usize| i == j || links[i].as_slice().contains(&(j as u16));
     let degree = |i: usize| (0..h.len()).filter(|&j| linked(i, j)).count() as f64;
@@ -106,7 +107,7 @@ fn weights(p: &Named<'_>, aggregation: Aggregation, h: &[Vec<f64>], links: &[Lin
 }
 
 /// Logits of the UAVs of one world.
-fn actor(p: &Named<'_>, aggregation: Aggregation, observations: &[Observation], links: &[Links]) -> Vec<f64> {
+fn actor(p: &Named<'_>, aggregation: Aggregation, observations: &[Observation], links: &[Neighbourhood]) -> Vec<f64> {
     let h: Vec<Vec<f64>> = observations.iter().map(|o| p.encode(o)).collect();
     let mut logits = Vec::new();
     for (i, own) in h.iter().enumerate() {
@@ -137,8 +138,8 @@ fn critic(p: &Named<'_>, observations: &[Observation]) -> Vec<f64> {
 
 /// A network both ways.
 trait Network {
-    fn layout(&self) -> Layout;
-    fn in_loops(&self, p: &Named<'_>, observations: &[Observation], links: &[Links]) -> Vec<f64>;
+    fn layout(&self) -> ParameterLayout;
+    fn in_loops(&self, p: &Named<'_>, observations: &[Observation], links: &[Neighbourhood]) -> Vec<f64>;
     /// Outputs, and the gradient of Σ_k c_k·output_k.
     fn by_hand(&self, values: &[f32], inputs: &Inputs, coefficients: &[f64]) -> (Vec<f32>, Vec<f32>);
 }
@@ -158,10 +159,10 @@ fn exchange(rows: &mut Rows, coefficients: &[f64]) -> Vec<f32> {
 }
 
 impl Network for Actor {
-    fn layout(&self) -> Layout {
-        Layout::actor(DIMENSIONS, self.0)
+    fn layout(&self) -> ParameterLayout {
+        ParameterLayout::actor(DIMENSIONS, self.0)
     }
-    fn in_loops(&self, p: &Named<'_>, observations: &[Observation], links: &[Links]) -> Vec<f64> {
+    fn in_loops(&self, p: &Named<'_>, observations: &[Observation], links: &[Neighbourhood]) -> Vec<f64> {
         actor(p, self.0, observations, links)
     }
     fn by_hand(&self, values: &[f32], inputs: &Inputs, coefficients: &[f64]) -> (Vec<f32>, Vec<f32>) {
@@ -179,10 +180,10 @@ impl Network for Actor {
 }
 
 impl Network for Critic {
-    fn layout(&self) -> Layout {
-        Layout::critic(DIMENSIONS)
+    fn layout(&self) -> ParameterLayout {
+        ParameterLayout::critic(DIMENSIONS)
     }
-    fn in_loops(&self, p: &Named<'_>, observations: &[Observation], _: &[Links]) -> Vec<f64> {
+    fn in_loops(&self, p: &Named<'_>, observations: &[Observation], _: &[Neighbourhood]) -> Vec<f64> {
         critic(p, observations)
     }
     fn by_hand(&self, values: &[f32], inputs: &Inputs, coefficients: &[f64]) -> (Vec<f32>, Vec<f32>) {
@@ -200,7 +201,12 @@ impl Network for Critic {
 }
 
 /// All worlds, one after the other.
-fn in_loops(net: &impl Network, layout: &Layout, values: &[f64], seen: &(Vec<Observation>, Vec<Links>)) -> Vec<f64> {
+fn in_loops(
+    net: &impl Network,
+    layout: &ParameterLayout,
+    values: &[f64],
+    seen: &(Vec<Observation>, Vec<Neighbourhood>),
+) -> Vec<f64> {
     let worlds = seen.0.chunks_exact(UAVS).zip(seen.1.chunks_exact(UAVS));
     worlds.flat_map(|(o, l)| net.in_loops(&Named { layout, values }, o, l)).collect()
 }

@@ -53,7 +53,7 @@ struct Report {
 /// When the settings are not sound, or another program's rate is not to be had.
 pub fn run(args: &Bench) -> Result<()> {
     // Learning alone: advice ends early in a run. Swarms of one size, so that all agent-steps are alike.
-    let mut s = Settings { graph: Graph(args.graph.into()), teacher: 0.0, uavs_most: 0, ..Settings::default() };
+    let mut s = Settings { graph: Graph(args.graph.into()), cloning_weight: 0.0, uavs_max: 0, ..Settings::default() };
     apply(&mut s, &args.set)?;
     let threads = args.threads.unwrap_or_else(|| cores().min(s.shards as usize)).max(1);
     use_threads(Some(threads));
@@ -85,7 +85,7 @@ fn measure(
     mut on_device: Option<&mut Trainer>,
     workers: &Workers,
 ) -> Result<Report> {
-    let agent_steps = f64::from(s.worlds) * f64::from(s.steps) * f64::from(s.uavs);
+    let agent_steps = f64::from(s.num_envs) * f64::from(s.steps) * f64::from(s.uavs);
     let repeats = args.repeats.max(1);
     // A round to warm up; then each stage of the same trainer, in turn.
     round(on_cpu, workers)?;
@@ -147,7 +147,7 @@ fn measure(
         graph: s.graph.0.name(),
         inputs: args.inputs.unwrap_or_else(|| dimensions(s).observation),
         uavs: s.uavs,
-        worlds: s.worlds,
+        worlds: s.num_envs,
         minibatch: s.minibatch,
         repeats,
         stage: stage_name(args.stage),

@@ -50,7 +50,7 @@ pub fn run(args: &Eval) -> Result<()> {
     let (mut rows, mut difference) = (Vec::new(), None);
     for &uavs in &args.uavs {
         let worlds = if args.same_density { with_density_of(&worlds, uavs) } else { worlds.clone() };
-        let scenario = Scenario { uavs: usize::from(uavs), law: args.scenario.into(), ..worlds };
+        let scenario = Scenario { uavs: usize::from(uavs), distribution: args.scenario.into(), ..worlds };
         let trial = Trial { scenario, seed: args.seed, worlds: args.worlds, mode };
         match &board {
             None => rows.extend(one(args, (&bytes, &name), float.as_ref(), &trial)?),

@@ -33,7 +33,7 @@ fn link(args: &ExperimentLink) -> Result<()> {
     }
     let (bytes, name) = read_actor(args.model.as_deref())?;
     let actor = load(&bytes).wrap_err_with(|| format!("{name} cannot fly"))?;
-    let scenario = Scenario { uavs: usize::from(args.uavs), law: args.scenario.into(), ..Scenario::default() };
+    let scenario = Scenario { uavs: usize::from(args.uavs), distribution: args.scenario.into(), ..Scenario::default() };
     let trial = Trial { scenario, seed: args.seed, worlds: args.worlds, mode: Mode::Sample };
     std::fs::create_dir_all(&args.out).map_err(|e| miette!("cannot make the folder {}: {e}", args.out.display()))?;
     let start = Instant::now();
@@ -58,7 +58,7 @@ fn link(args: &ExperimentLink) -> Result<()> {
 fn command(args: &ExperimentLink) -> String {
     let mut command = String::from("host-trainer experiment link");
     let defaults = ExperimentLink::default();
-    let law = |l| covey_env::Law::from(l);
+    let distribution = |l| covey_env::PoiDistribution::from(l);
     if let Some(model) = &args.model {
         command += &format!(" --model {}", model.display());
     }
@@ -66,7 +66,7 @@ fn command(args: &ExperimentLink) -> String {
         command += &format!(" --uavs {}", args.uavs);
     }
     if args.scenario != defaults.scenario {
-        command += &format!(" --scenario {}", crate::settings::law_name(law(args.scenario)));
+        command += &format!(" --scenario {}", crate::settings::distribution_name(distribution(args.scenario)));
     }
     if args.worlds != defaults.worlds {
         command += &format!(" --worlds {}", args.worlds);

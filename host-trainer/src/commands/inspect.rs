@@ -4,7 +4,7 @@ use super::read_actor;
 use crate::any_actor::AnyActor;
 use crate::cli::Inspect;
 use crate::with_actor;
-use firmware_core::actor::{Flown, FormActor, SIGNATURE_CASES, signature};
+use firmware_core::actor::{ActorInput, FINGERPRINT_CASES, QuantisedActor, fingerprint};
 use miette::{Result, WrapErr, miette};
 
 /// Loads the file, runs its self-test and prints what is in it.
@@ -19,7 +19,7 @@ pub fn run(args: &Inspect) -> Result<()> {
     Ok(())
 }
 
-fn show<O: Flown>(actor: &FormActor<'_, O>) {
+fn show<O: ActorInput>(actor: &QuantisedActor<'_, O>) {
     let (d, p) = (actor.dimensions(), actor.provenance());
     let share = |c: u16| f64::from(c) / 10_000.0;
     println!("  observation    form {}", O::ID);
@@ -27,7 +27,7 @@ fn show<O: Flown>(actor: &FormActor<'_, O>) {
     println!("  widths         {} → {} → {} → {} → {}", d.observation, d.hidden, d.feature, d.head, d.actions);
     println!("  tie-breakers   drawn anew every {} step(s)", actor.tie_period());
     println!("  content hash   {:016x} (in messages {:08x})", actor.content_hash(), actor.message_hash());
-    println!("  signature      {:016x}", signature(actor, SIGNATURE_CASES));
+    println!("  signature      {:016x}", fingerprint(actor, FINGERPRINT_CASES));
     println!("  self-test      passed");
     println!(
         "  trained by     {} on {}, {} UAVs, seed {}, {} episodes",

@@ -13,9 +13,9 @@ mod paper;
 mod report;
 mod train;
 
-use crate::cli::{Command, GraphArg, LawArg};
+use crate::cli::{Command, DistributionArg, GraphArg};
 use crate::settings::{KEYS, Settings};
-use covey_env::Law;
+use covey_env::PoiDistribution;
 use firmware_core::actor::Aggregation;
 use miette::{IntoDiagnostic, Result};
 use std::path::Path;
@@ -63,11 +63,11 @@ impl From<GraphArg> for Aggregation {
     }
 }
 
-impl From<LawArg> for Law {
-    fn from(l: LawArg) -> Self {
+impl From<DistributionArg> for PoiDistribution {
+    fn from(l: DistributionArg) -> Self {
         match l {
-            LawArg::Clustered => Self::Clustered,
-            LawArg::Uniform => Self::Uniform,
+            DistributionArg::Clustered => Self::Clustered,
+            DistributionArg::Uniform => Self::Uniform,
         }
     }
 }

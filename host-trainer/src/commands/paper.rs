@@ -152,7 +152,7 @@ fn is(run: &Run, settings: &Settings) -> bool {
 /// Episodes of a run that are in its newest checkpoint.
 fn already(run: &Run) -> u64 {
     let rounds = run.folder.load().map_or(0, |(_, checkpoint)| u64::from(checkpoint.state.rounds));
-    rounds * u64::from(run.settings.worlds)
+    rounds * u64::from(run.settings.num_envs)
 }
 
 /// Trains one run to its end, from its newest checkpoint where it has one. False when stopped.
@@ -207,7 +207,7 @@ struct Watch {
 
 impl Watch {
     fn new(quiet: bool, wanted: &[Settings], missing: usize, before: u64) -> Self {
-        let episodes = wanted.first().map_or(0, |s| u64::from(s.rounds()) * u64::from(s.worlds));
+        let episodes = wanted.first().map_or(0, |s| u64::from(s.rounds()) * u64::from(s.num_envs));
         let steps = wanted.first().map_or(0, |s| u64::from(s.steps) * u64::from(s.uavs));
         let progress = Progress::new(Mode::detect(quiet), episodes * missing as u64).resumed_at(before);
         Self { progress: Mutex::new((progress, before)), start: Instant::now(), before, steps, quiet }

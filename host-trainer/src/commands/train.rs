@@ -123,17 +123,17 @@ impl Session {
         .into_diagnostic()?;
         let mut events = EventWriter::create(folder.events(), now()).into_diagnostic()?;
         let s = trainer.settings();
-        let done = rounds * u64::from(s.worlds);
+        let done = rounds * u64::from(s.num_envs);
         if rounds > 0 {
             events.resumed_at(done + 1, now()).into_diagnostic()?;
         }
-        let total = u64::from(s.rounds()) * u64::from(s.worlds);
+        let total = u64::from(s.rounds()) * u64::from(s.num_envs);
         let progress = Progress::new(mode, total).resumed_at(done);
         Ok(Self { folder, trainer, metrics, events, progress, quiet: mode == Mode::Quiet })
     }
 
     pub(super) fn episodes(&self) -> u64 {
-        u64::from(self.trainer.state().rounds) * u64::from(self.trainer.settings().worlds)
+        u64::from(self.trainer.state().rounds) * u64::from(self.trainer.settings().num_envs)
     }
 
     fn say(&mut self, message: &str) {

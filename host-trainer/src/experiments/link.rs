@@ -2,11 +2,11 @@
 
 use crate::measure::{EvalRow, Trial, mode_name};
 use crate::over_link::measure;
-use crate::settings::law_name;
+use crate::settings::distribution_name;
 use covey_env::Evaluation;
-use covey_env::radio::{LinkSettings, OverLinkError};
+use covey_env::radio::{RadioSettings, RadioWorldError};
 use covey_report::report::{Chart, Reference, ReportError, Series, chart_svg};
-use firmware_core::actor::{Flown, FormActor};
+use firmware_core::actor::{ActorInput, QuantisedActor};
 use firmware_core::neighbour_table::DEFAULT_STEP_MS;
 use std::fmt::Write;
 
@@ -35,7 +35,7 @@ const BARS: [(f64, f64); 2] = [(0.1, 0.95), (0.3, 0.85)];
 /// One link's measurement.
 #[derive(Clone, Debug)]
 struct Measured {
-    link: LinkSettings,
+    link: RadioSettings,
     row: EvalRow,
     /// Coverage as a share of that without loss, and its standard error.
     kept: (f64, f64),
@@ -50,13 +50,13 @@ pub struct LinkStudy {
     measured: Vec<Measured>,
 }
 
-fn lossy(loss: f64, burst: Option<f64>, delay_steps: u32) -> LinkSettings {
+fn lossy(loss: f64, burst: Option<f64>, delay_steps: u32) -> RadioSettings {
     let delay_ms = delay_steps * u32::from(DEFAULT_STEP_MS);
-    LinkSettings { loss, burst, delay_ms, ..LinkSettings::default() }
+    RadioSettings { loss, burst, delay_ms, ..RadioSettings::default() }
 }
 
 /// Every link of the study, each once, the perfect one first.
-fn links() -> Vec<LinkSettings> {
+fn links() -> Vec<RadioSettings> {
     let delayed = DELAYS.iter().flat_map(|&delay| LOSSES.map(|loss| lossy(loss, None, delay)));
     let bursts = BURSTS.iter().flat_map(|&b| LOSSES.iter().skip(1).map(move |&loss| lossy(loss, Some(b), 0)));
     // The texts are checked by a test.
@@ -69,11 +69,11 @@ fn links() -> Vec<LinkSettings> {
 ///
 /// # Errors
 /// When the scenario cannot be built or has too many UAVs.
-pub fn study<O: Flown>(
-    actor: &FormActor<'_, O>,
+pub fn study<O: ActorInput>(
+    actor: &QuantisedActor<'_, O>,
     trial: &Trial,
     mut watch: impl FnMut(&EvalRow, usize, usize),
-) -> Result<LinkStudy, OverLinkError> {
+) -> Result<LinkStudy, RadioWorldError> {
     let name = format!("{} int8", actor.aggregation().name());
     let links = links();
     let (mut measured, mut lossless) = (Vec::new(), None);
@@ -105,7 +105,7 @@ impl LinkStudy {
         self.measured.iter().map(|m| m.row.clone()).collect()
     }
 
-    fn of(&self, link: &LinkSettings) -> Option<&Measured> {
+    fn of(&self, link: &RadioSettings) -> Option<&Measured> {
         self.measured.iter().find(|m| m.link == *link)
     }
 
@@ -133,7 +133,7 @@ impl LinkStudy {
         })
     }
 
-    fn curve(&self, name: String, link: impl Fn(f64) -> LinkSettings) -> Series {
+    fn curve(&self, name: String, link: impl Fn(f64) -> RadioSettings) -> Series {
         let found = LOSSES.iter().filter_map(|&loss| Some((100.0 * loss, &self.of(&link(loss))?.row)));
         let (points, band) =
             found.map(|(x, r)| ((x, r.coverage), (r.coverage - r.coverage_se, r.coverage + r.coverage_se))).unzip();
@@ -153,7 +153,7 @@ impl LinkStudy {
             self.actor,
             scenario.uavs,
             scenario.pois,
-            law_name(scenario.law),
+            distribution_name(scenario.distribution),
             worlds - 1,
             mode_name(*mode),
         );
@@ -181,12 +181,12 @@ impl LinkStudy {
     }
 
     /// Losses by columns, each a link but for its loss.
-    fn write_grid(&self, out: &mut String, columns: &[(String, LinkSettings)]) {
+    fn write_grid(&self, out: &mut String, columns: &[(String, RadioSettings)]) {
         let _ = writeln!(out, "| lost |{}", columns.iter().map(|(name, _)| format!(" {name} | |")).collect::<String>());
         let _ = writeln!(out, "|--:|{}", "--:|--:|".repeat(columns.len()));
         for loss in LOSSES {
             let found: Vec<_> =
-                columns.iter().map(|(_, link)| self.of(&LinkSettings { loss, ..link.clone() })).collect();
+                columns.iter().map(|(_, link)| self.of(&RadioSettings { loss, ..link.clone() })).collect();
             if found.iter().all(Option::is_none) {
                 continue;
             }
@@ -246,7 +246,7 @@ mod tests {
     fn every_link_of_the_study_can_be_and_comes_once() {
         let links = links();
         assert_eq!(links.len(), DELAYS.len() * LOSSES.len() + BURSTS.len() * (LOSSES.len() - 1) + OTHERS.len());
-        assert_eq!(links[0], LinkSettings::default());
+        assert_eq!(links[0], RadioSettings::default());
         for (i, link) in links.iter().enumerate() {
             assert_eq!(link.validate(), Ok(()), "{link}");
             assert!(!links[..i].contains(link), "{link} comes twice");

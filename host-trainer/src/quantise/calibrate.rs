@@ -1,7 +1,7 @@
 //! Calibration: how large activations get on rollouts.
 
 use crate::float_actor::{FloatActor, FloatPolicy};
-use covey_env::{Links, Scenario, ScenarioError, Sights, World};
+use covey_env::{Neighbourhood, ObservationBatch, Scenario, ScenarioError, World};
 use covey_net::{ActorNet, Rows};
 use firmware_core::action::Action;
 use firmware_core::actor::Mode;
@@ -26,9 +26,9 @@ pub struct Ranges {
 #[derive(Clone, Debug)]
 pub struct Situation {
     /// Observations of all UAVs.
-    pub observations: Sights,
+    pub observations: ObservationBatch,
     /// Their neighbours.
-    pub links: Vec<Links>,
+    pub links: Vec<Neighbourhood>,
     /// Their logits, 17 a UAV.
     pub logits: Vec<f32>,
 }
@@ -55,7 +55,7 @@ impl Ranges {
     }
 }
 
-/// Flies the float policy in `worlds` worlds of `seed` and returns the ranges of its
+/// Flies the float policy in `num_envs` worlds of `seed` and returns the ranges of its
 /// activations and every situation met.
 ///
 /// # Errors

@@ -7,10 +7,10 @@ pub use calibrate::{Ranges, Situation, calibrate};
 
 use crate::any_actor::AnyActor;
 use crate::float_actor::FloatActor;
-use covey_env::{ObservationForm, OfSights, Scenario, ScenarioError, heard};
+use covey_env::{BatchedObservation, ObservationForm, Scenario, ScenarioError, heard};
 use firmware_core::actor::file::{Body, HEADER, StoreError, TRAILER};
 use firmware_core::actor::{
-    Aggregation, Feature, FormActor, LoadError, Provenance, SELF_TESTS, SelfTestError, argmax, write_self_test,
+    Aggregation, Feature, LoadError, Provenance, QuantisedActor, SELF_TESTS, SelfTestError, argmax, write_self_test,
 };
 use firmware_core::observation::Observation;
 use firmware_core::observation::cells::Cells;
@@ -56,7 +56,7 @@ pub enum QuantiseError {
 /// among which calibration picks the one that chooses most like the float policy.
 const OWN_RANGE: [f64; 4] = [0.0, 0.35, 0.7, 1.0];
 
-/// Quantises a policy after calibrating it on `worlds` worlds of `seed`.
+/// Quantises a policy after calibrating it on `num_envs` worlds of `seed`.
 ///
 /// # Errors
 /// See [`QuantiseError`].
@@ -73,7 +73,7 @@ pub fn quantise(
     }
 }
 
-fn quantise_as<O: OfSights>(
+fn quantise_as<O: BatchedObservation>(
     actor: &FloatActor,
     scenario: &Scenario,
     seed: u64,
@@ -84,13 +84,13 @@ fn quantise_as<O: OfSights>(
     let mut best: Option<(usize, Vec<u8>)> = None;
     for own in OWN_RANGE {
         let file = compose::<O>(actor, &ranges, own, &situations, provenance)?;
-        let agreeing = agreement(&FormActor::<O>::load(&file)?, &situations).0;
+        let agreeing = agreement(&QuantisedActor::<O>::load(&file)?, &situations).0;
         if best.as_ref().is_none_or(|(most, _)| agreeing > *most) {
             best = Some((agreeing, file));
         }
     }
     let (_, file) = best.unwrap_or_default();
-    FormActor::<O>::load(&file)?.self_test()?;
+    QuantisedActor::<O>::load(&file)?.self_test()?;
     Ok(file)
 }
 
@@ -120,7 +120,7 @@ fn scales(ranges: &[f32], own: f64) -> Vec<f64> {
     ranges.iter().map(|&r| top * (f64::from(r).max(top * 1e-3) / top).powf(own) / 127.0).collect()
 }
 
-fn compose<O: OfSights>(
+fn compose<O: BatchedObservation>(
     actor: &FloatActor,
     ranges: &Ranges,
     own: f64,
@@ -192,14 +192,19 @@ fn attention(actor: &FloatActor) -> FloatLayer {
 }
 
 /// The logits of UAV `i` of a situation whose UAVs have these features.
-fn int8_logits<O: OfSights>(actor: &FormActor<'_, O>, features: &[Feature], s: &Situation, i: usize) -> [i16; 17] {
+fn int8_logits<O: BatchedObservation>(
+    actor: &QuantisedActor<'_, O>,
+    features: &[Feature],
+    s: &Situation,
+    i: usize,
+) -> [i16; 17] {
     let width = usize::from(actor.dimensions().feature);
     actor.logits(&features[i], s.links[i].count + 1, heard(features, width, &s.links, i))
 }
 
 /// Decisions in which the int8 actor's greatest logit is the float policy's, and all.
 #[must_use]
-pub fn agreement<O: OfSights>(actor: &FormActor<'_, O>, situations: &[Situation]) -> (usize, usize) {
+pub fn agreement<O: BatchedObservation>(actor: &QuantisedActor<'_, O>, situations: &[Situation]) -> (usize, usize) {
     let (mut agreeing, mut all) = (0, 0);
     for s in situations {
         let features: Vec<Feature> = O::among(&s.observations).iter().map(|o| actor.encode(o)).collect();
@@ -213,16 +218,16 @@ pub fn agreement<O: OfSights>(actor: &FormActor<'_, O>, situations: &[Situation]
 }
 
 /// The file with self-tests of situations spread over the calibration.
-fn with_self_tests<O: OfSights>(body: &Body<'_>, situations: &[Situation]) -> Result<Vec<u8>, QuantiseError> {
+fn with_self_tests<O: BatchedObservation>(body: &Body<'_>, situations: &[Situation]) -> Result<Vec<u8>, QuantiseError> {
     let width = usize::from(body.dimensions.feature);
-    let vectors = |actor: Option<&FormActor<'_, O>>| {
+    let vectors = |actor: Option<&QuantisedActor<'_, O>>| {
         let mut bytes = Vec::new();
         for k in 0..SELF_TESTS {
             let s = &situations[(2 * k + 1) * situations.len() / (2 * SELF_TESTS)];
             // The UAV with most neighbours in every other vector.
             let most = |&i: &usize| s.links[i].count;
             let i = if k % 2 == 0 { k % s.links.len() } else { (0..s.links.len()).max_by_key(most).unwrap_or(0) };
-            let blank = Feature { values: [0; 64], attending: 0, attended: 0 };
+            let blank = Feature { values: [0; 64], attention_destination: 0, attention_source: 0 };
             let features: Vec<Feature> =
                 O::among(&s.observations).iter().map(|o| actor.map_or(blank, |a| a.encode(o))).collect();
             let logits = actor.map_or([0; 17], |a| int8_logits(a, &features, s, i));
@@ -237,6 +242,6 @@ fn with_self_tests<O: OfSights>(body: &Body<'_>, situations: &[Situation]) -> Re
     // Logits do not depend on the vectors: compute them with blank ones first.
     let blank = vectors(None);
     let draft = store(&Body { self_tests: &blank, ..*body })?;
-    let tests = vectors(Some(&FormActor::load(&draft)?));
+    let tests = vectors(Some(&QuantisedActor::load(&draft)?));
     store(&Body { self_tests: &tests, ..*body })
 }

@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Advantages of one UAV over a segment (Schulman et al. 2016, equation 16).
+/// Advantages of one UAV over a rollout (Schulman et al. 2016, equation 16).
 ///
 /// `rewards` and `advantages` are by step, `values` has one entry more: the value of
-/// the state after the segment.
+/// the state after the rollout.
 pub fn advantages(rewards: &[f32], values: &[f32], gamma: f32, lambda: f32, advantages: &mut [f32]) {
     let mut ahead = 0.0;
     for t in (0..rewards.len()).rev() {

@@ -6,11 +6,11 @@ use super::networks::{Networks, Workspace};
 use super::ppo::{Loss, Sums};
 use super::shard::Shard;
 use super::trainer::State;
-use super::update::{Place, Segment};
+use super::update::{Place, Rollout};
 use super::workers::Workers;
 use crate::settings::Settings;
 use covey_env::ObservationForm;
-use covey_net::{Engine, EngineError, Outputs, Rows, Seen};
+use covey_net::{Engine, EngineError, GraphBatch, Outputs, Rows};
 
 /// Most that an engine's numbers may be off, of the greatest: GPUs may multiply with fewer
 /// digits, a wrong kernel is off by all.
@@ -32,7 +32,7 @@ impl OnEngine {
     pub fn new(engine: Box<dyn Engine>, s: &Settings) -> Result<Self, EngineError> {
         let only = [
             (s.observation == ObservationForm::Compact, "observation = \"compact\""),
-            (s.uavs_most == 0, "uavs_most = 0"),
+            (s.uavs_max == 0, "uavs_max = 0"),
         ];
         if let Some((_, setting)) = only.into_iter().find(|(met, _)| !met) {
             return Err(EngineError::Unsupported { device: engine.name(), setting });
@@ -50,7 +50,7 @@ impl OnEngine {
         self.engine.load(parameters);
     }
 
-    /// Plays a segment in all shards, step by step.
+    /// Plays a rollout in all shards, step by step.
     pub fn play(
         &mut self,
         s: &Settings,
@@ -61,8 +61,8 @@ impl OnEngine {
         workers: &Workers,
     ) -> Result<(), EngineError> {
         shards.iter_mut().for_each(Shard::begin);
-        for t in 0..=s.segment as usize {
-            let seen: Vec<Seen<'_>> = shards.iter().map(|s| s.seen(t)).collect();
+        for t in 0..=s.rollout_steps as usize {
+            let seen: Vec<GraphBatch<'_>> = shards.iter().map(|s| s.seen(t)).collect();
             self.engine.forward(&seen, &mut self.out)?;
             let (mut logits, mut values) = (parts(&self.out.logits), parts(&self.out.values));
             let items = shards.iter_mut().zip(&mut *work);
@@ -78,9 +78,9 @@ impl OnEngine {
         Ok(())
     }
 
-    /// Takes the observations of a segment, which [`Self::gradient`] is about.
-    pub fn hold(&mut self, segment: &Segment<'_>) {
-        let seen: Vec<Seen<'_>> = segment.shards.iter().map(Shard::seen_in_segment).collect();
+    /// Takes the observations of a rollout, which [`Self::gradient`] is about.
+    pub fn hold(&mut self, rollout: &Rollout<'_>) {
+        let seen: Vec<GraphBatch<'_>> = rollout.shards.iter().map(Shard::rollout_batch).collect();
         self.engine.hold(&seen);
         let mut first = 0;
         self.firsts.clear();
@@ -93,7 +93,7 @@ impl OnEngine {
     /// Loss of a minibatch, and its gradient in `work.gradients`.
     pub fn gradient(
         &mut self,
-        segment: &Segment<'_>,
+        rollout: &Rollout<'_>,
         loss: &Loss,
         batch: &[Place],
         work: &mut Workspace,
@@ -101,7 +101,7 @@ impl OnEngine {
         let number = |p: &Place| self.firsts[p.shard as usize] + p.first / p.uavs;
         let world_steps: Vec<u32> = batch.iter().map(number).collect();
         work.samples.clear();
-        work.samples.extend(batch.iter().flat_map(|p| segment.samples(p)));
+        work.samples.extend(batch.iter().flat_map(|p| rollout.samples(p)));
         let mut sums = Sums::default();
         let mut backward =
             |out: &mut Outputs| loss.backward(&mut out.logits, &mut out.values, &work.samples, &mut sums);
@@ -113,7 +113,7 @@ impl OnEngine {
     /// driver computes something else must not train.
     pub fn check(
         &mut self,
-        seen: Seen<'_>,
+        seen: GraphBatch<'_>,
         nets: &Networks,
         state: &State,
         work: &mut Workspace,

@@ -1,8 +1,8 @@
 //! Both networks as products read them, and what a part of the work needs beside them.
 
 use super::ppo::Sample;
-use covey_env::{Links, SightsRef};
-use covey_net::{ActorGradient, ActorNet, ActorPass, CriticGradient, CriticNet, CriticPass, Inputs, Layout};
+use covey_env::{Neighbourhood, ObservationSlice};
+use covey_net::{ActorGradient, ActorNet, ActorPass, CriticGradient, CriticNet, CriticPass, Inputs, ParameterLayout};
 use firmware_core::actor::Aggregation;
 
 /// Actor and critic with their present parameters.
@@ -17,7 +17,7 @@ pub struct Networks {
 impl Networks {
     /// For these layouts, of actor and critic.
     #[must_use]
-    pub fn new(layouts: &[Layout; 2], aggregation: Aggregation) -> Self {
+    pub fn new(layouts: &[ParameterLayout; 2], aggregation: Aggregation) -> Self {
         Self { actor: ActorNet::new(&layouts[0], aggregation), critic: CriticNet::new(&layouts[1]) }
     }
 }
@@ -46,7 +46,7 @@ pub struct Workspace {
 impl Workspace {
     /// For networks of these layouts, which take such inputs.
     #[must_use]
-    pub fn new(layouts: &[Layout; 2], inputs: Inputs) -> Self {
+    pub fn new(layouts: &[ParameterLayout; 2], inputs: Inputs) -> Self {
         Self {
             inputs,
             actor: ActorPass::new(&layouts[0]),
@@ -60,7 +60,7 @@ impl Workspace {
     }
 
     /// Takes in what all UAVs of some worlds of `uavs` see.
-    pub fn see(&mut self, uavs: usize, observations: SightsRef<'_>, links: &[Links]) {
+    pub fn see(&mut self, uavs: usize, observations: ObservationSlice<'_>, links: &[Neighbourhood]) {
         self.inputs.clear(uavs);
         self.inputs.push(observations, links);
     }

@@ -18,7 +18,7 @@ pub struct Loss {
     /// Error at which the value loss turns linear.
     pub huber: f32,
     /// Weight of the cross-entropy with the advised action.
-    pub teacher: f32,
+    pub cloning_weight: f32,
     /// Samples in the whole minibatch: the loss is their mean.
     pub samples: f32,
 }
@@ -28,7 +28,7 @@ pub struct Loss {
 pub struct Sample {
     /// Action taken.
     pub action: u8,
-    /// Action that was advised; it counts with [`Loss::teacher`].
+    /// Action that was advised; it counts with [`Loss::cloning_weight`].
     pub advice: u8,
     /// Its log-probability when it was taken.
     pub log_probability: f32,
@@ -113,10 +113,10 @@ impl Loss {
         let scale = self.samples.recip();
         let mut by_logits = p;
         for (g, l) in by_logits.iter_mut().zip(&log_p) {
-            *g *= scale * (self.entropy * (l + entropy) - pull + self.teacher);
+            *g *= scale * (self.entropy * (l + entropy) - pull + self.cloning_weight);
         }
         by_logits[a] += scale * pull;
-        by_logits[usize::from(s.advice)] -= scale * self.teacher;
+        by_logits[usize::from(s.advice)] -= scale * self.cloning_weight;
         let error = value - s.target;
         let value_loss =
             if error.abs() <= self.huber { 0.5 * error * error } else { self.huber * (error.abs() - 0.5 * self.huber) };
@@ -145,7 +145,7 @@ mod tests {
             (action, advice) in (0u8..17, 0u8..17), advantage in -2.0f32..2.0, shift in -0.5f32..0.5,
             value in -3.0f32..3.0, target in -3.0f32..3.0,
         ) {
-            let loss = Loss { clip: 0.2, entropy: 0.01, huber: 1.0, teacher: 0.3, samples: 1.0 };
+            let loss = Loss { clip: 0.2, entropy: 0.01, huber: 1.0, cloning_weight: 0.3, samples: 1.0 };
             let padded = |logits: &[f32; 17]| {
                 let mut row = [0.0; WIDTH];
                 row[..17].copy_from_slice(logits);

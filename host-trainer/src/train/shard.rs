@@ -1,4 +1,4 @@
-//! One shard: some of the worlds, and what they went through in a segment.
+//! One shard: some of the worlds, and what they went through in a rollout.
 
 use super::advantage::{ValueNorm, advantages};
 use super::link::Eyes;
@@ -6,15 +6,15 @@ use super::networks::{Networks, Workspace};
 use super::softmax;
 use crate::settings::Settings;
 use covey_env::baselines::advice;
-use covey_env::radio::OverLinkError;
-use covey_env::{EpisodeMetrics, Links, Scenario, Sights, SightsRef, World};
+use covey_env::radio::RadioWorldError;
+use covey_env::{EpisodeMetrics, Neighbourhood, ObservationBatch, ObservationSlice, Scenario, World};
 use covey_net::kernel::padded;
-use covey_net::{Seen, worlds_in_pass};
+use covey_net::{GraphBatch, worlds_in_pass};
 use firmware_core::action::{ACTIONS, Action};
 use firmware_core::random::action_draw;
 use std::ops::Range;
 
-/// Worlds of a shard with the buffers of a segment. Arrays are laid out
+/// Worlds of a shard with the buffers of a rollout. Arrays are laid out
 /// `[step][world][UAV]`.
 pub struct Shard {
     number: u32,
@@ -23,10 +23,10 @@ pub struct Shard {
     eyes: Vec<Eyes>,
     uavs: usize,
     steps: usize,
-    /// Observations, one step more than the segment has: the last is what comes next.
-    pub observations: Sights,
+    /// Observations, one step more than the rollout has: the last is what comes next.
+    pub observations: ObservationBatch,
     /// Kept neighbours, as `observations`.
-    pub links: Vec<Links>,
+    pub links: Vec<Neighbourhood>,
     /// Actions taken.
     pub actions: Vec<Action>,
     /// Actions that the observations advised, while they are asked.
@@ -52,15 +52,15 @@ impl Shard {
     ///
     /// # Errors
     /// When the scenario or the link cannot be built.
-    pub fn new(s: &Settings, number: u32, count: usize) -> Result<Self, OverLinkError> {
+    pub fn new(s: &Settings, number: u32, count: usize) -> Result<Self, RadioWorldError> {
         let mut shard = Self {
             number,
             worlds: Vec::new(),
             policy_seeds: vec![0; count],
             eyes: Vec::new(),
             uavs: 0,
-            steps: s.segment as usize,
-            observations: Sights::new(s.observation, 0),
+            steps: s.rollout_steps as usize,
+            observations: ObservationBatch::new(s.observation, 0),
             links: Vec::new(),
             actions: Vec::new(),
             advice: Vec::new(),
@@ -75,15 +75,15 @@ impl Shard {
     }
 
     /// Makes worlds and buffers for swarms of `uavs`.
-    fn resize(&mut self, s: &Settings, uavs: usize) -> Result<(), OverLinkError> {
+    fn resize(&mut self, s: &Settings, uavs: usize) -> Result<(), RadioWorldError> {
         let count = self.policy_seeds.len();
         let (row, cells) = (count * uavs, count * uavs * self.steps);
-        let scenario = |world| Scenario { uavs, law: s.law_in(self.number, world, count), ..s.world() };
+        let scenario = |world| Scenario { uavs, distribution: s.law_in(self.number, world, count), ..s.world() };
         self.worlds = (0..count).map(|world| World::new(&scenario(world))).collect::<Result<_, _>>()?;
         self.eyes = vec![Eyes::new(s, uavs)?; count];
         self.uavs = uavs;
         self.observations.resize(cells + row);
-        self.links.resize(cells + row, Links::default());
+        self.links.resize(cells + row, Neighbourhood::default());
         self.values.resize(cells + row, 0.0);
         for actions in [&mut self.actions, &mut self.advice] {
             actions.resize(cells, Action::COAST);
@@ -141,7 +141,7 @@ impl Shard {
         }
     }
 
-    /// Plays a segment with sampled actions, values it and computes advantages.
+    /// Plays a rollout with sampled actions, values it and computes advantages.
     /// With `advised` the observations are asked for advice too.
     pub fn play(&mut self, s: &Settings, nets: &Networks, norm: &ValueNorm, advised: bool, work: &mut Workspace) {
         self.begin();
@@ -151,7 +151,7 @@ impl Shard {
         }
     }
 
-    /// Begins a segment where the last one ended.
+    /// Begins a rollout where the last one ended.
     pub fn begin(&mut self) {
         let last = self.steps * self.row();
         self.observations.copy_within(last..last + self.row(), 0);
@@ -163,33 +163,33 @@ impl Shard {
     /// # Panics
     /// When it is seen in cells, which engines do not take.
     #[must_use]
-    pub fn seen(&self, t: usize) -> Seen<'_> {
+    pub fn seen(&self, t: usize) -> GraphBatch<'_> {
         self.seen_at(t * self.row()..(t + 1) * self.row())
     }
 
-    /// What is seen after the segment, or at the start of an episode.
+    /// What is seen after the rollout, or at the start of an episode.
     ///
     /// # Panics
     /// As [`Self::seen`] does.
     #[must_use]
-    pub fn next(&self) -> Seen<'_> {
+    pub fn next(&self) -> GraphBatch<'_> {
         self.seen(self.steps)
     }
 
-    /// What was seen before the steps of the segment, all of them.
+    /// What was seen before the steps of the rollout, all of them.
     ///
     /// # Panics
     /// As [`Self::seen`] does.
     #[must_use]
-    pub fn seen_in_segment(&self) -> Seen<'_> {
+    pub fn rollout_batch(&self) -> GraphBatch<'_> {
         self.seen_at(0..self.steps * self.row())
     }
 
-    fn seen_at(&self, place: Range<usize>) -> Seen<'_> {
-        let SightsRef::Compact(observations) = self.observations.part(place.clone()) else {
+    fn seen_at(&self, place: Range<usize>) -> GraphBatch<'_> {
+        let ObservationSlice::Compact(observations) = self.observations.part(place.clone()) else {
             panic!("runs with observations in cells are refused before an engine is asked")
         };
-        Seen { uavs: self.uavs, observations, links: &self.links[place] }
+        GraphBatch { uavs: self.uavs, observations, links: &self.links[place] }
     }
 
     /// Step `t` with the actions taken; after the last one, computes advantages.
@@ -205,7 +205,7 @@ impl Shard {
         }
     }
 
-    /// Values the state before step `t` and, if the segment has this step, samples its
+    /// Values the state before step `t` and, if the rollout has this step, samples its
     /// actions.
     fn look(&mut self, t: usize, nets: &Networks, norm: &ValueNorm, work: &mut Workspace) {
         let (n, row) = (self.uavs, self.row());
@@ -260,13 +260,13 @@ impl Shard {
     /// What the observations before step `t` advise; those in cells advise nothing.
     fn ask(&mut self, t: usize) {
         let (n, first) = (self.uavs, t * self.row());
-        let SightsRef::Compact(observations) = self.observations.part(first..first + self.row()) else { return };
+        let ObservationSlice::Compact(observations) = self.observations.part(first..first + self.row()) else { return };
         for (k, (advised, observation)) in self.advice[first..].iter_mut().zip(observations).enumerate() {
             *advised = advice(observation, self.worlds[k / n].velocity(k % n));
         }
     }
 
-    /// Plays a segment with uniformly random actions: the environment alone.
+    /// Plays a rollout with uniformly random actions: the environment alone.
     pub fn wander(&mut self, s: &Settings) {
         let row = self.row();
         for t in 0..self.steps {
@@ -319,7 +319,7 @@ impl Shard {
     /// Whether its worlds are those of the scenario: others would blur the curves.
     #[must_use]
     pub const fn is_usual(&self, s: &Settings) -> bool {
-        self.number.is_multiple_of(2) || s.uavs_most == 0 && s.other_law == 0.0
+        self.number.is_multiple_of(2) || s.uavs_max == 0 && s.other_distribution_share == 0.0
     }
 
     /// Metrics of the episodes in their present state, summed over the worlds.

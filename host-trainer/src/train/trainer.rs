@@ -6,12 +6,12 @@ use super::engine::OnEngine;
 use super::networks::{Networks, Workspace};
 use super::ppo::Loss;
 use super::shard::Shard;
-use super::update::{Learner, Outcome, Plan, Segment, update};
+use super::update::{Learner, Outcome, Plan, Rollout, update};
 use super::workers::Workers;
 use crate::settings::Settings;
-use covey_env::radio::OverLinkError;
+use covey_env::radio::RadioWorldError;
 use covey_env::{EpisodeMetrics, ObservationForm};
-use covey_net::{Engine, EngineError, Inputs, Layout, initialise};
+use covey_net::{Engine, EngineError, Inputs, ParameterLayout, initialise};
 use covey_report::metrics::nan_as_null;
 use firmware_core::action::ACTIONS;
 use firmware_core::actor::Dimensions;
@@ -143,14 +143,14 @@ pub enum Stage {
     Environment,
     /// Rollout: environment, actor, sampling, critic, advantages.
     Policy,
-    /// The update on a segment that was played before.
+    /// The update on a rollout that was played before.
     Update,
 }
 
 /// A run in memory.
 pub struct Trainer {
     settings: Settings,
-    layouts: [Layout; 2],
+    layouts: [ParameterLayout; 2],
     state: State,
     shards: Vec<Shard>,
     nets: Networks,
@@ -163,7 +163,7 @@ impl Trainer {
     ///
     /// # Errors
     /// When the scenario or the link cannot be built.
-    pub fn new(settings: Settings) -> Result<Self, OverLinkError> {
+    pub fn new(settings: Settings) -> Result<Self, RadioWorldError> {
         let inputs = settings.observation.len() as u16;
         Self::with_inputs(settings, inputs)
     }
@@ -173,7 +173,7 @@ impl Trainer {
     ///
     /// # Errors
     /// When the scenario or the link cannot be built.
-    pub fn with_inputs(settings: Settings, inputs: u16) -> Result<Self, OverLinkError> {
+    pub fn with_inputs(settings: Settings, inputs: u16) -> Result<Self, RadioWorldError> {
         let layouts = layouts(&settings, inputs);
         let actor = initialise(&layouts[0], "actor weights", settings.seed);
         let state = State {
@@ -192,13 +192,13 @@ impl Trainer {
     ///
     /// # Errors
     /// When the scenario or the link cannot be built.
-    pub fn resume(settings: Settings, state: State) -> Result<Self, OverLinkError> {
+    pub fn resume(settings: Settings, state: State) -> Result<Self, RadioWorldError> {
         let inputs = settings.observation.len() as u16;
         Self::assemble(settings, state, inputs)
     }
 
-    fn assemble(settings: Settings, state: State, inputs: u16) -> Result<Self, OverLinkError> {
-        let (worlds, shards) = (settings.worlds as usize, settings.shards as usize);
+    fn assemble(settings: Settings, state: State, inputs: u16) -> Result<Self, RadioWorldError> {
+        let (worlds, shards) = (settings.num_envs as usize, settings.shards as usize);
         let shards: Vec<_> = (0..shards)
             .map(|k| Shard::new(&settings, k as u32, (k + 1) * worlds / shards - k * worlds / shards))
             .collect::<Result<_, _>>()?;
@@ -237,13 +237,13 @@ impl Trainer {
 
     /// Layouts of actor and critic.
     #[must_use]
-    pub fn layouts(s: &Settings) -> [Layout; 2] {
+    pub fn layouts(s: &Settings) -> [ParameterLayout; 2] {
         layouts(s, s.observation.len() as u16)
     }
 
     /// Layouts of its networks, which differ from [`Self::layouts`] when they take fewer inputs.
     #[must_use]
-    pub fn network_layouts(&self) -> [Layout; 2] {
+    pub fn network_layouts(&self) -> [ParameterLayout; 2] {
         self.layouts.clone()
     }
 
@@ -265,14 +265,14 @@ impl Trainer {
         self.state.rounds >= self.settings.rounds()
     }
 
-    /// Plays an episode in every world, with an update after every segment.
+    /// Plays an episode in every world, with an update after every rollout.
     ///
     /// # Errors
     /// When an engine fails, never without one. The round is then half done: go on from a
     /// checkpoint.
     pub fn round(&mut self, workers: &Workers) -> Result<Row, EngineError> {
         let s = self.settings.clone();
-        let mut first = u64::from(self.state.rounds) * u64::from(s.worlds);
+        let mut first = u64::from(self.state.rounds) * u64::from(s.num_envs);
         let firsts: Vec<u64> = self
             .shards
             .iter()
@@ -285,13 +285,13 @@ impl Trainer {
         let round = self.state.rounds;
         let work: Vec<_> = self.shards.iter_mut().zip(firsts).collect();
         workers.run(work, |k, (shard, first)| shard.reset(&s, first, s.uavs_in(round, k as u32)));
-        let segments = s.steps / s.segment;
+        let rollouts = s.steps / s.rollout_steps;
         let (mut total, mut explained, mut rate) = (Outcome::default(), 0.0, 0.0);
-        for segment in 0..segments {
-            let number = u64::from(self.state.rounds) * u64::from(segments) + u64::from(segment);
-            self.play(&s, s.teacher_at(number) > 0.0, workers)?;
-            explained += self.explained_variance() / f64::from(segments);
-            let progress = number as f64 / (f64::from(s.rounds()) * f64::from(segments));
+        for rollout in 0..rollouts {
+            let number = u64::from(self.state.rounds) * u64::from(rollouts) + u64::from(rollout);
+            self.play(&s, s.cloning_weight_at(number) > 0.0, workers)?;
+            explained += self.explained_variance() / f64::from(rollouts);
+            let progress = number as f64 / (f64::from(s.rounds()) * f64::from(rollouts));
             rate = s.learning_rate * (1.0 - (1.0 - s.learning_rate_end) * progress);
             let outcome = self.learn(&s, workers, number, progress, rate)?;
             total.sums.add(&outcome.sums);
@@ -311,7 +311,7 @@ impl Trainer {
         let s = self.settings.clone();
         workers.run(self.shards.iter_mut().collect(), |k, shard| shard.reset(&s, k as u64, s.uavs));
         let mut spent = Duration::ZERO;
-        for segment in 0..s.steps / s.segment {
+        for rollout in 0..s.steps / s.rollout_steps {
             let start = Instant::now();
             match stage {
                 Stage::Environment => {
@@ -322,7 +322,7 @@ impl Trainer {
             let played = start.elapsed();
             let start = Instant::now();
             if stage == Stage::Update {
-                self.learn(&s, workers, u64::from(segment), 0.0, s.learning_rate)?;
+                self.learn(&s, workers, u64::from(rollout), 0.0, s.learning_rate)?;
             }
             spent += if stage == Stage::Update { start.elapsed() } else { played };
         }
@@ -340,7 +340,7 @@ impl Trainer {
         Ok(self.work.iter_mut().filter_map(|w| w.counted.take()).sum())
     }
 
-    /// Plays a segment in every world, with or without advice.
+    /// Plays a rollout in every world, with or without advice.
     fn play(&mut self, s: &Settings, advised: bool, workers: &Workers) -> Result<(), EngineError> {
         let (nets, norm) = (&self.nets, self.state.norm);
         if let Some(engine) = &mut self.engine {
@@ -362,10 +362,10 @@ impl Trainer {
         let all = |f: fn(&Shard) -> &Vec<f32>| self.shards.iter().flat_map(f).copied().collect::<Vec<f32>>();
         let (mean, deviation) = moments(&all(|s| &s.returns));
         self.state.norm.update(mean, deviation, s.value_norm_decay);
-        let segment = Segment {
+        let rollout = Rollout {
             advantage: moments(&all(|s| &s.advantages)),
             shards: &self.shards,
-            steps: s.segment as usize,
+            steps: s.rollout_steps as usize,
             norm: self.state.norm,
         };
         let plan = Plan {
@@ -377,7 +377,7 @@ impl Trainer {
                 clip: s.clip as f32,
                 entropy: (s.entropy + (s.entropy_end - s.entropy) * progress) as f32,
                 huber: s.huber as f32,
-                teacher: s.teacher_at(number) as f32,
+                cloning_weight: s.cloning_weight_at(number) as f32,
                 samples: 1.0,
             },
             shuffle: (s.seed, number),
@@ -390,9 +390,9 @@ impl Trainer {
             work: if self.engine.is_some() { &mut self.work[..1] } else { &mut self.work },
             engine: self.engine.as_mut(),
         };
-        let outcome = update(&mut learner, &segment, &plan, workers)?;
+        let outcome = update(&mut learner, &rollout, &plan, workers)?;
         // Early on the average is over all updates so far, or the first weights would linger.
-        let keep = s.averaging.min(number as f64 / (number as f64 + 1.0)) as f32;
+        let keep = s.ema_decay.min(number as f64 / (number as f64 + 1.0)) as f32;
         for (average, value) in state.average.iter_mut().zip(&state.actor) {
             *average = keep * *average + (1.0 - keep) * value;
         }
@@ -412,7 +412,7 @@ impl Trainer {
         let usual = self.shards.iter().filter(|shard| shard.is_usual(s));
         let all: Vec<EpisodeMetrics> = usual.flat_map(Shard::metrics).collect();
         let mean = |f: fn(&EpisodeMetrics) -> f64| all.iter().map(f).sum::<f64>() / all.len() as f64;
-        let episodes = u64::from(self.state.rounds) * u64::from(s.worlds);
+        let episodes = u64::from(self.state.rounds) * u64::from(s.num_envs);
         let of = |v: f64| v / o.sums.samples;
         Row {
             episodes,
@@ -448,7 +448,7 @@ pub fn dimensions(s: &Settings) -> Dimensions {
     }
 }
 
-fn layouts(s: &Settings, inputs: u16) -> [Layout; 2] {
+fn layouts(s: &Settings, inputs: u16) -> [ParameterLayout; 2] {
     let d = Dimensions { observation: inputs, ..dimensions(s) };
-    [Layout::actor(d, s.graph.0), Layout::critic(d)]
+    [ParameterLayout::actor(d, s.graph.0), ParameterLayout::critic(d)]
 }

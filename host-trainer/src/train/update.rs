@@ -1,4 +1,4 @@
-//! The update: several passes over a segment in minibatches, each split into parts
+//! The update: several passes over a rollout in minibatches, each split into parts
 //! whose gradients are summed in a fixed order.
 
 use super::adam::Adam;
@@ -11,7 +11,7 @@ use super::workers::Workers;
 use covey_env::random::{below, stream};
 use covey_net::{ActorNet, CriticNet, EngineError, worlds_in_pass};
 
-/// A world-step of the segment.
+/// A world-step of the rollout.
 #[derive(Clone, Copy)]
 pub struct Place {
     /// UAVs in that world.
@@ -23,10 +23,10 @@ pub struct Place {
 }
 
 /// What an update needs besides the networks.
-pub struct Segment<'s> {
+pub struct Rollout<'s> {
     /// The shards, played.
     pub shards: &'s [Shard],
-    /// Steps in the segment.
+    /// Steps in the rollout.
     pub steps: usize,
     /// Mean and deviation of the advantages.
     pub advantage: (f64, f64),
@@ -34,7 +34,7 @@ pub struct Segment<'s> {
     pub norm: ValueNorm,
 }
 
-impl Segment<'_> {
+impl Rollout<'_> {
     /// The samples of a world-step.
     pub fn samples(&self, p: &Place) -> impl Iterator<Item = Sample> {
         let (s, at) = (&self.shards[p.shard as usize], p.first as usize);
@@ -101,14 +101,14 @@ pub struct Outcome {
 /// When the engine fails.
 pub fn update(
     learner: &mut Learner<'_>,
-    segment: &Segment<'_>,
+    rollout: &Rollout<'_>,
     plan: &Plan,
     workers: &Workers,
 ) -> Result<Outcome, EngineError> {
     if let Some(engine) = &mut learner.engine {
-        engine.hold(segment);
+        engine.hold(rollout);
     }
-    let mut places = places(segment);
+    let mut places = places(rollout);
     let samples = samples(&places);
     let count = ((samples + plan.minibatch / 2) / plan.minibatch).clamp(1, places.len());
     let mut random = stream("ppo shuffle", plan.shuffle.0, plan.shuffle.1);
@@ -120,7 +120,7 @@ pub fn update(
         for m in 0..count {
             let [from, to] = [m, m + 1].map(|m| m * places.len() / count);
             let batch = &mut places[from..to];
-            outcome.sums.add(&gradient(learner, segment, plan, workers, batch)?);
+            outcome.sums.add(&gradient(learner, rollout, plan, workers, batch)?);
             let norms = step(learner, plan, workers);
             outcome.norms.iter_mut().zip(norms).for_each(|(sum, norm)| *sum += norm);
             outcome.minibatches += 1.0;
@@ -129,10 +129,10 @@ pub fn update(
     Ok(outcome)
 }
 
-fn places(segment: &Segment<'_>) -> Vec<Place> {
+fn places(rollout: &Rollout<'_>) -> Vec<Place> {
     let mut places = Vec::new();
-    for (shard, s) in segment.shards.iter().enumerate() {
-        let (world_steps, uavs) = (s.worlds() * segment.steps, s.uavs());
+    for (shard, s) in rollout.shards.iter().enumerate() {
+        let (world_steps, uavs) = (s.worlds() * rollout.steps, s.uavs());
         let place = |k| Place { uavs: uavs as u32, shard: shard as u32, first: (k * uavs) as u32 };
         places.extend((0..world_steps).map(place));
     }
@@ -148,14 +148,14 @@ fn samples(places: &[Place]) -> usize {
 /// workspace's `gradients` are the parts to sum.
 fn gradient(
     learner: &mut Learner<'_>,
-    segment: &Segment<'_>,
+    rollout: &Rollout<'_>,
     plan: &Plan,
     workers: &Workers,
     batch: &mut [Place],
 ) -> Result<Sums, EngineError> {
     let loss = Loss { samples: samples(batch) as f32, ..plan.loss };
     if let Some(engine) = &mut learner.engine {
-        return engine.gradient(segment, &loss, batch, &mut learner.work[0]);
+        return engine.gradient(rollout, &loss, batch, &mut learner.work[0]);
     }
     // A pass is of worlds of one size. The sort is stable, so it changes nothing where there is but one.
     batch.sort_by_key(|p| p.uavs);
@@ -164,7 +164,7 @@ fn gradient(
     let items = slices.zip(&mut *learner.work).collect();
     let (nets, values) = (&*learner.nets, &learner.values);
     let results = workers.run(items, |_, (slice, work): (&[Place], &mut Workspace)| {
-        let sums = part(nets, segment, &loss, slice, work);
+        let sums = part(nets, rollout, &loss, slice, work);
         work.sums.0.store(values[0], &mut work.gradients[0]);
         work.sums.1.store(&mut work.gradients[1]);
         sums
@@ -175,7 +175,7 @@ fn gradient(
 }
 
 /// Loss and gradients of a part of a minibatch.
-fn part(nets: &Networks, segment: &Segment<'_>, loss: &Loss, places: &[Place], work: &mut Workspace) -> Sums {
+fn part(nets: &Networks, rollout: &Rollout<'_>, loss: &Loss, places: &[Place], work: &mut Workspace) -> Sums {
     let mut sums = Sums::default();
     work.sums.0.clear();
     work.sums.1.clear();
@@ -186,9 +186,9 @@ fn part(nets: &Networks, segment: &Segment<'_>, loss: &Loss, places: &[Place], w
         work.inputs.clear(uavs);
         work.samples.clear();
         for p in places {
-            let (s, at) = (&segment.shards[p.shard as usize], p.first as usize);
+            let (s, at) = (&rollout.shards[p.shard as usize], p.first as usize);
             work.inputs.push(s.observations.part(at..at + uavs), &s.links[at..at + uavs]);
-            work.samples.extend(segment.samples(p));
+            work.samples.extend(rollout.samples(p));
         }
         work.actor.forward(&nets.actor, &work.inputs);
         work.critic.forward(&nets.critic, &work.inputs);

@@ -11,9 +11,9 @@ use std::process::{Command, Output, Stdio};
 
 /// A run of seconds: a few rounds of a small network on small worlds.
 pub const TINY: [&str; 14] = [
-    "worlds=4",
+    "num_envs=4",
     "shards=2",
-    "segment=10",
+    "rollout_steps=10",
     "steps=20",
     "uavs=5",
     "pois=20",

@@ -1,6 +1,6 @@
 //! `self-test` and `signature`: does this computer compute what the actor's exporter computed?
 
-use firmware_core::actor::{self, Actor, LoadError, SELF_TESTS, SIGNATURE_CASES, SelfTestError};
+use firmware_core::actor::{self, Actor, FINGERPRINT_CASES, LoadError, SELF_TESTS, SelfTestError};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 use thiserror::Error;
@@ -59,7 +59,7 @@ pub struct Signature {
     /// The actor file.
     file: PathBuf,
     /// Neighbourhoods to decide.
-    #[arg(long, default_value_t = SIGNATURE_CASES)]
+    #[arg(long, default_value_t = FINGERPRINT_CASES)]
     cases: u32,
 }
 
@@ -69,7 +69,7 @@ impl Signature {
     /// # Errors
     /// See [`ActorFileError`]; the self-test comes first.
     pub fn run(self) -> Result<(), ActorFileError> {
-        with_actor(self.file, |actor| println!("{:016x}", actor::signature(actor, self.cases)))
+        with_actor(self.file, |actor| println!("{:016x}", actor::fingerprint(actor, self.cases)))
     }
 }
 

@@ -90,7 +90,7 @@ fn write_points(out: &mut String, points: &[Vec2]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use covey_env::{Law, Scenario};
+    use covey_env::{PoiDistribution, Scenario};
     use proptest::prelude::*;
     use std::path::Path;
 
@@ -100,8 +100,8 @@ mod tests {
         fn a_written_mission_reads_back_the_same(
             index in 0u64..1000, side_u in 20.0f32..2000.0, lat in -80.0f64..80.0, lon in -178.0f64..178.0, uniform: bool,
         ) {
-            let law = if uniform { Law::Uniform } else { Law::Clustered };
-            let mut world = World::new(&Scenario { side_u, law, ..Scenario::default() }).unwrap();
+            let distribution = if uniform { PoiDistribution::Uniform } else { PoiDistribution::Clustered };
+            let mut world = World::new(&Scenario { side_u, distribution, ..Scenario::default() }).unwrap();
             world.reset(777, index);
             let mut mission = Mission::of_world(&world, Origin { lat, lon, alt_m: 12.345 }).unwrap();
             mission.mode = if uniform { Mode::Argmax } else { Mode::Sample };

@@ -12,7 +12,7 @@ use firmware_core::action::Action;
 use firmware_core::actor::{Actor, Feature};
 use firmware_core::geometry::State;
 use firmware_core::message::{self, Beacon, Header, Message};
-use firmware_core::neighbour_table::{Moment, NeighbourTable, Policy};
+use firmware_core::neighbour_table::{Moment, NeighbourTable, PolicyId};
 use firmware_core::observation::{Neighbours, Scene, observe};
 use std::sync::Arc;
 
@@ -116,7 +116,7 @@ impl<'a> Brain<'a> {
     /// passed its self-test.
     #[must_use]
     pub fn new(id: u16, actor: Actor<'a>, mission: Arc<Mission>, pois: Arc<PoiMap>, timing: Timing) -> Self {
-        let table = NeighbourTable::new(id, Policy::of(&actor), mission.scale.step_ms);
+        let table = NeighbourTable::new(id, PolicyId::of(&actor), mission.scale.step_ms);
         let epoch_ms = Some(mission.epoch_unix_ms);
         Self {
             id,
@@ -153,7 +153,7 @@ impl<'a> Brain<'a> {
     pub fn forget(&mut self) {
         (self.step, self.plan) = (None, None);
         self.early.clear();
-        self.table.reset(self.id, Policy::of(&self.actor), self.mission.scale.step_ms);
+        self.table.reset(self.id, PolicyId::of(&self.actor), self.mission.scale.step_ms);
     }
 
     /// The flight last decided on.

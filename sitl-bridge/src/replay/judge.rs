@@ -95,12 +95,12 @@ impl Account {
 
 /// Horizontal velocity and acceleration of a setpoint, east and north.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Flown {
+struct ActorInput {
     velocity: [f64; 2],
     acceleration: [f64; 2],
 }
 
-impl Flown {
+impl ActorInput {
     /// The vehicle's time and the numbers of a SET_POSITION_TARGET_LOCAL_NED.
     fn read(frame: &Frame) -> Option<(u32, Self)> {
         if frame.message_id() != SETPOINT {
@@ -142,8 +142,8 @@ impl Flown {
 struct Case {
     decision: Decision,
     plan: Plan,
-    recorded: Vec<(u32, Flown)>,
-    replayed: Vec<(u32, Flown)>,
+    recorded: Vec<(u32, ActorInput)>,
+    replayed: Vec<(u32, ActorInput)>,
 }
 
 /// Holds decisions made again against what stands in the log. Feed it in the log's order.
@@ -179,14 +179,14 @@ impl Judge {
 
     /// A setpoint in the log.
     pub fn flown(&mut self, frame: &Frame) {
-        if let (Some(case), Some(flown)) = (&mut self.case, Flown::read(frame)) {
+        if let (Some(case), Some(flown)) = (&mut self.case, ActorInput::read(frame)) {
             case.recorded.push(flown);
         }
     }
 
     /// A setpoint that is sent now.
     pub fn flown_again(&mut self, frame: &Frame) {
-        if let (Some(case), Some(flown)) = (&mut self.case, Flown::read(frame)) {
+        if let (Some(case), Some(flown)) = (&mut self.case, ActorInput::read(frame)) {
             case.replayed.push(flown);
         }
     }
@@ -245,8 +245,8 @@ impl Judge {
         }
         self.account.compared += 1;
         self.account.setpoints += case.recorded.len() as u64;
-        let again: BTreeMap<u32, Flown> = case.replayed.iter().copied().collect();
-        let same = |(at, flown): &&(u32, Flown)| again.get(at).is_some_and(|other| other.is(flown));
+        let again: BTreeMap<u32, ActorInput> = case.replayed.iter().copied().collect();
+        let same = |(at, flown): &&(u32, ActorInput)| again.get(at).is_some_and(|other| other.is(flown));
         let other = case.recorded.iter().filter(|r| !same(r)).count() as u64;
         if other == 0 {
             self.account.equal += 1;
@@ -279,7 +279,7 @@ impl Judge {
             let action = Action::new(index).unwrap_or(Action::COAST);
             let velocity = case.decision.state.velocity;
             let plan = Plan::new(action, case.plan.decided_ms, velocity, case.plan.measured_mps(), self.scale);
-            let one = |(at, flown): &(u32, Flown)| Flown::of(&plan, *at, self.feed_forward).apart(flown);
+            let one = |(at, flown): &(u32, ActorInput)| ActorInput::of(&plan, *at, self.feed_forward).apart(flown);
             moving().map(one).sum::<f64>()
         };
         let own = case.decision.action;
@@ -297,5 +297,5 @@ impl Judge {
 fn feature(frame: &Frame) -> Option<(u32, Feature)> {
     let Message::Feature(f) = neighbour_message(frame)? else { return None };
     let header = Header { sequence: 0, ..f.header() };
-    Some((header.step, Feature::new(header, f.degree(), f.actor(), f.attended(), f.values()).ok()?))
+    Some((header.step, Feature::new(header, f.degree(), f.actor(), f.attention_source(), f.values()).ok()?))
 }

@@ -258,8 +258,8 @@ fn any_message() -> impl Strategy<Value = Message> {
         });
     let value = prop_oneof![Just(0i8), any::<i8>()];
     let feature = (header, 1u8..=17, any::<u32>(), any::<i16>(), prop::collection::vec(value, 1..=64)).prop_map(
-        |(header, degree, actor, attended, values)| {
-            Message::Feature(Feature::new(header, degree, actor, attended, &values).unwrap())
+        |(header, degree, actor, attention_source, values)| {
+            Message::Feature(Feature::new(header, degree, actor, attention_source, &values).unwrap())
         },
     );
     prop_oneof![beacon, feature]

@@ -58,7 +58,7 @@ pub struct PlainActor {
 pub struct PlainNeighbour {
     pub values: Vec<i8>,
     pub degree: u8,
-    pub attended: i16,
+    pub attention_source: i16,
 }
 
 /// A place in the file.
@@ -197,11 +197,11 @@ impl PlainActor {
 
     /// The logits of a UAV that sees `observation` and has heard `neighbours`.
     pub fn logits(&self, observation: &[i8], degree: u8, neighbours: &[PlainNeighbour]) -> Vec<i64> {
-        let (own, attending, attended) = self.encode(observation);
+        let (own, attention_destination, attention_source) = self.encode(observation);
         let values = |n: &PlainNeighbour| n.values.iter().map(|&v| i64::from(v)).collect();
         // Oneself first.
-        let mut around: Vec<(Vec<i64>, u8, i64)> = vec![(own.clone(), degree, attended)];
-        around.extend(neighbours.iter().take(16).map(|n| (values(n), n.degree, i64::from(n.attended))));
+        let mut around: Vec<(Vec<i64>, u8, i64)> = vec![(own.clone(), degree, attention_source)];
+        around.extend(neighbours.iter().take(16).map(|n| (values(n), n.degree, i64::from(n.attention_source))));
         let weights: Vec<i64> = match self.aggregation {
             NONE => Vec::new(),
             GCN => {
@@ -209,7 +209,7 @@ impl PlainActor {
                 around.iter().map(|(_, d, _)| (root(degree) * root(*d) + (1 << 14)) >> 15).collect()
             }
             _ => {
-                let scores: Vec<i64> = around.iter().map(|(_, _, t)| leaky(attending + t)).collect();
+                let scores: Vec<i64> = around.iter().map(|(_, _, t)| leaky(attention_destination + t)).collect();
                 let top = *scores.iter().max().expect("oneself");
                 let raw: Vec<i64> = scores.iter().map(|s| power(top - s)).collect();
                 let total: i64 = raw.iter().sum();

@@ -10,7 +10,7 @@ use crate::targets::{NEEDS, qemu::Machine};
 
 pub use crate::targets::qemu::Machine::{CortexM4f as M4F, CortexM7 as M7};
 
-/// Starts the program with this actor file in its flash and checks over the actor link that it flies it.
+/// Starts the program with this actor file in its flash and checks over the PIL protocol that it flies it.
 ///
 /// # Errors
 /// A build failed, or the board does not compute what this computer does.

@@ -12,7 +12,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use firmware_core::actor::{self, Actor, SIGNATURE_CASES};
+use firmware_core::actor::{self, Actor, FINGERPRINT_CASES};
 
 use crate::error::{Error, Result};
 pub use error::FlashError;
@@ -33,7 +33,7 @@ pub struct Args {
     /// Leave the board's program as it is and write only the actor file.
     #[arg(long, requires = "board")]
     actor_only: bool,
-    /// The board's serial port, to ask over the actor link what it runs now: /dev/ttyACM0.
+    /// The board's serial port, to ask over the PIL protocol what it runs now: /dev/ttyACM0.
     #[arg(long, requires = "board", value_name = "DEVICE")]
     port: Option<PathBuf>,
     /// Only print what would be done.
@@ -71,7 +71,7 @@ impl ActorFile {
     /// The signature over this many neighbourhoods, computed here.
     fn signature(&self, cases: u32) -> Result<u64> {
         let actor = Actor::load(&self.bytes).map_err(|reason| FlashError::wrong_file(&self.path, &reason))?;
-        Ok(actor::signature(&actor, cases))
+        Ok(actor::fingerprint(&actor, cases))
     }
 }
 
@@ -92,7 +92,7 @@ pub fn main(args: &Args) -> Result<()> {
         }
         (Some(Board::QemuM7), _) => emulator::flash(emulator::M7, &actor, args.dry_run),
         (Some(Board::QemuM4f), _) => emulator::flash(emulator::M4F, &actor, args.dry_run),
-        (None, Some(host)) => host::Host::new(host, "ssh", "scp").install(&actor, SIGNATURE_CASES, args.dry_run),
+        (None, Some(host)) => host::Host::new(host, "ssh", "scp").install(&actor, FINGERPRINT_CASES, args.dry_run),
         // The argument group asks for one of them.
         (None, None) => Ok(()),
     }

@@ -1,11 +1,11 @@
-//! Asking a board over the actor link what it runs.
+//! Asking a board over the PIL protocol what it runs.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::Path;
 use std::time::Duration;
 
-use covey_link::{Client, Options};
+use covey_pil::{Client, Options};
 
 use super::{ActorFile, FlashError, say};
 use crate::command::Cmd;

@@ -8,11 +8,11 @@ use std::io::{Read, Write};
 use std::path::Path;
 use std::time::Duration;
 
-use covey_link::{Client, LinkError, Loopback, Options};
+use covey_pil::{Client, Loopback, Options, PilError};
 use firmware_core::geometry::{State, TICKS_PER_U, Vec2};
-use firmware_core::link::{Decided, Fault, MAX_POIS, Setup};
 use firmware_core::message::{Beacon, Feature, Header, MAX_LEN, Message};
 use firmware_core::neighbour_table::Moment;
+use firmware_core::pil::{Decided, Fault, MAX_POIS, Setup};
 
 use super::artefacts::{Actors, Image};
 use super::elf;
@@ -72,7 +72,7 @@ pub fn refuses_bad_files(machine: Machine, image: &Image, actors: &Actors) -> Re
         let answer = board.hello(setup());
         let said = board.restarted().map(|report| report.actor);
         let refused = board.decide(0).is_err();
-        let expected = matches!(&answer, Err(LinkError::Refused(refusal)) if refusal.to_string() == fault.to_string());
+        let expected = matches!(&answer, Err(PilError::Refused(refusal)) if refusal.to_string() == fault.to_string());
         if !expected || said != Some(Err(fault)) || !refused {
             return Err(Error::Setup(format!(
                 "{}: expected the board to refuse ({fault}); it started with {said:?} and answered {answer:?}",
@@ -117,8 +117,8 @@ fn mission<S: Read + Write>(board: &mut Client<S>, mut disturb: impl FnMut(&[u8]
         board.observe(now, own, (0..MAX_POIS).map(|_| near(&mut random)).collect::<Vec<_>>())?;
         for id in 10..10 + SWARM {
             let values: Vec<i8> = (0..info.width).map(|_| (random.next() & 127) as i8).collect();
-            let attended = (random.next() as i16) / 16;
-            if let Ok(feature) = Feature::new(header(id), 1 + (id % 17) as u8, hash, attended, &values) {
+            let attention_source = (random.next() as i16) / 16;
+            if let Ok(feature) = Feature::new(header(id), 1 + (id % 17) as u8, hash, attention_source, &values) {
                 board.hear_bytes(now, own.position, Message::Feature(feature).encode(&mut [0; MAX_LEN]))?;
             }
         }

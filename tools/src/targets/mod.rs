@@ -21,7 +21,7 @@ use row::{Instructions, Row};
 pub const NEEDS: &[Item] = &[Item::QemuArm, Item::QemuAarch64, Item::Aarch64Gcc, Item::RustTargets];
 
 /// Neighbourhoods in a signature.
-const SIGNATURE_CASES: u32 = firmware_core::actor::SIGNATURE_CASES;
+const FINGERPRINT_CASES: u32 = firmware_core::actor::FINGERPRINT_CASES;
 /// Layers that the assembly kernel and its portable twin are compared on.
 const KERNEL_CASES: u32 = 3000;
 
@@ -88,7 +88,7 @@ fn measure() -> Result<Vec<Row>> {
         progress(&format!("{}: kernel, gate, signature, costs, flight", machine.target()));
         machine.check_kernel(&image, KERNEL_CASES)?;
         machine.check_gate(&image)?;
-        let signature = actors.signature(|actor| machine.signature(&image, actor, SIGNATURE_CASES))?;
+        let signature = actors.signature(|actor| machine.signature(&image, actor, FINGERPRINT_CASES))?;
         let mut row = row_of(machine.target(), "release", signature, sizes);
         let (gcn, gat) = (machine.costs(&image, &actors.gcn)?, machine.costs(&image, &actors.gat)?);
         row.instructions = Instructions::of(&gcn, &gat)?;

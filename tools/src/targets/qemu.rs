@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use covey_link::qemu;
+use covey_pil::qemu;
 
 use super::artefacts::Image;
 use crate::command::Cmd;
@@ -59,9 +59,9 @@ impl Machine {
     /// # Errors
     /// They differ, or the run failed.
     pub fn check_gate(self, image: &Image) -> Result<()> {
-        let ticks = firmware_core::gate::SIGNATURE_TICKS;
+        let ticks = firmware_core::gate::FINGERPRINT_TICKS;
         let results = self.measure(image, None, &["gate", &ticks.to_string()], false)?;
-        let (board, here) = (results.number("signature", 16)?, firmware_core::gate::signature(ticks));
+        let (board, here) = (results.number("signature", 16)?, firmware_core::gate::fingerprint(ticks));
         if board == here {
             return Ok(());
         }

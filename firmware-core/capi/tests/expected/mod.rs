@@ -4,7 +4,7 @@ use covey_capi::{
     CoveyDecision, CoveyFeature, CoveyNeighbour, CoveyNeighbourFeature, CoveyScene, CoveyVec2, CoveyView, Status,
 };
 use firmware_core::action::ACTIONS;
-use firmware_core::actor::{Actor, MAX_FEATURE, Mode, NeighbourFeature, signature};
+use firmware_core::actor::{Actor, MAX_FEATURE, Mode, NeighbourFeature, fingerprint};
 use firmware_core::geometry::{State, TICKS_PER_U, Vec2};
 use firmware_core::observation::{LEN, MAX_NEIGHBOURS, Neighbour, Neighbours, Scene, observe};
 use std::fmt::Write as _;
@@ -39,7 +39,7 @@ macro_rules! pointers {
             feature: [
                 ("sizeof(covey_neighbour_feature)", size_of::<$feature>()),
                 ("covey_neighbour_feature.degree", offset_of!($feature, degree)),
-                ("covey_neighbour_feature.attended", offset_of!($feature, attended)),
+                ("covey_neighbour_feature.attention_source", offset_of!($feature, attention_source)),
             ],
         }
     };
@@ -69,7 +69,7 @@ struct Scene32 {
 struct NeighbourFeature32 {
     values: u32,
     degree: u8,
-    attended: i16,
+    attention_source: i16,
 }
 
 /// What the program must print for this actor file.
@@ -91,8 +91,8 @@ fn layout(pointers: &Pointers) -> String {
     line("covey_view.degree", offset_of!(CoveyView, degree));
     line("covey_view.kept", offset_of!(CoveyView, kept));
     line("sizeof(covey_feature)", size_of::<CoveyFeature>());
-    line("covey_feature.attending", offset_of!(CoveyFeature, attending));
-    line("covey_feature.attended", offset_of!(CoveyFeature, attended));
+    line("covey_feature.attention_destination", offset_of!(CoveyFeature, attention_destination));
+    line("covey_feature.attention_source", offset_of!(CoveyFeature, attention_source));
     pointers.feature.iter().for_each(|&(name, value)| line(name, value));
     line("sizeof(covey_decision)", size_of::<CoveyDecision>());
     line("covey_decision.action", offset_of!(CoveyDecision, action));
@@ -135,7 +135,7 @@ fn flight(file: &[u8]) -> String {
     line("covey_encode(&actor, NULL, &own) 32".into());
     line(format!("content hash {:016x}", actor.content_hash()));
     line(format!("message hash {:08x}", actor.message_hash()));
-    line(format!("signature {:016x}", signature(&actor, 100)));
+    line(format!("signature {:016x}", fingerprint(&actor, 100)));
     line(format!("covey_feature_width(&actor) {}", actor.dimensions().feature));
     let tie = actor.tie_breaker(SEED, ID, STEP);
     line(format!("covey_tie_breaker(&actor, 10, 7, 5) {tie}"));
@@ -156,7 +156,7 @@ fn flight(file: &[u8]) -> String {
     line(format!("degree {degree} kept{}", numbers(kept)));
     line("covey_encode(&actor, view.observation, &own) 0".into());
     let h = actor.encode(&observation);
-    line(format!("feature{} {} {}", numbers(h.values), h.attending, h.attended));
+    line(format!("feature{} {} {}", numbers(h.values), h.attention_destination, h.attention_source));
 
     let width = usize::from(actor.dimensions().feature);
     let values: Vec<Vec<i8>> =
@@ -164,7 +164,7 @@ fn flight(file: &[u8]) -> String {
     let features = values.iter().zip(0..).map(|(values, i)| NeighbourFeature {
         values,
         degree: 1 + i as u8,
-        attended: 40 * i - 300,
+        attention_source: 40 * i - 300,
     });
     let logits = actor.logits(&h, degree, features);
     for mode in [Mode::Sample, Mode::Argmax] {

@@ -1,4 +1,4 @@
-//! The program that flies: tests its actor, reports, and answers the actor link on the board's serial line.
+//! The program that flies: tests its actor, reports, and answers the PIL protocol on the board's serial line.
 //!
 //! Without a sound actor file it says what is wrong with it and refuses every request that would fly.
 #![no_std]
@@ -7,7 +7,7 @@
 use cortex_m_rt::entry;
 use covey_image::actor_file::actor_file;
 use covey_image::board::Board;
-use firmware_core::link::Server;
+use firmware_core::pil::Server;
 
 #[entry]
 fn main() -> ! {

@@ -14,7 +14,7 @@
 use cortex_m_rt::entry;
 use covey_image::actor_file::actor_file;
 use covey_image::measure::{console, costs, kernel};
-use firmware_core::actor::{Actor, signature};
+use firmware_core::actor::{Actor, fingerprint};
 use firmware_core::gate;
 
 #[entry]
@@ -26,7 +26,7 @@ fn main() -> ! {
         Some(b"signature") => sign(number(words.next())),
         Some(b"costs") => sound_actor().map(|actor| costs::print(&actor)),
         Some(b"gate") => {
-            console::result_hex(b"signature", gate::signature(number(words.next())));
+            console::result_hex(b"signature", gate::fingerprint(number(words.next())));
             Ok(())
         }
         Some(b"kernel") => kernel::check(number(words.next())),
@@ -49,7 +49,7 @@ fn sound_actor() -> Result<Actor<'static>, &'static str> {
 
 fn sign(cases: u32) -> Result<(), &'static str> {
     let actor = sound_actor()?;
-    console::result_hex(b"signature", signature(&actor, cases));
+    console::result_hex(b"signature", fingerprint(&actor, cases));
     Ok(())
 }
 

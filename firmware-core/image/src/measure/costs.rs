@@ -22,7 +22,7 @@ pub fn print(actor: &Actor<'_>) {
         values.iter().zip(0i16..).take(n).map(move |(values, k)| NeighbourFeature {
             values: values.get(..width).unwrap_or_default(),
             degree: 1 + k as u8,
-            attended: 100 * k,
+            attention_source: 100 * k,
         })
     };
     let decide = |n: usize| {

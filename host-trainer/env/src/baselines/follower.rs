@@ -1,7 +1,7 @@
 //! Flies to the place that the observation itself names the best.
 
+use crate::observer::{Neighbourhood, Observer};
 use crate::policy::Policy;
-use crate::sight::{Links, Observer};
 use crate::steering::nearest;
 use crate::world::World;
 use firmware_core::action::Action;
@@ -22,7 +22,7 @@ pub fn advice(observation: &Observation, velocity: (f32, f32)) -> Action {
 pub struct Follower {
     observer: Observer,
     observations: Vec<Observation>,
-    links: Vec<Links>,
+    links: Vec<Neighbourhood>,
 }
 
 impl Follower {
@@ -36,7 +36,7 @@ impl Follower {
 impl Policy for Follower {
     fn begin(&mut self, world: &World) {
         self.observations = vec![[0; LEN]; world.scenario().uavs];
-        self.links = vec![Links::default(); world.scenario().uavs];
+        self.links = vec![Neighbourhood::default(); world.scenario().uavs];
     }
 
     fn act(&mut self, world: &World, actions: &mut [Action]) {

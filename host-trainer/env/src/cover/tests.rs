@@ -2,7 +2,7 @@ use super::candidates::{Set, keep_maximal, maximal_sets, smallest_disc};
 use super::heuristic::Picks;
 use super::search::search;
 use super::*;
-use crate::scenario::Law;
+use crate::scenario::PoiDistribution;
 use proptest::prelude::*;
 
 /// The most that `n` of the sets cover, by trying every choice.
@@ -97,14 +97,16 @@ fn nothing_to_cover_and_nobody_to_cover_it() {
 
 #[test]
 fn whole_worlds_are_proven() {
-    for (law, index) in [(Law::Clustered, 0), (Law::Clustered, 1), (Law::Uniform, 0)] {
-        let mut world = World::new(&Scenario { law, ..Scenario::default() }).unwrap();
+    for (distribution, index) in
+        [(PoiDistribution::Clustered, 0), (PoiDistribution::Clustered, 1), (PoiDistribution::Uniform, 0)]
+    {
+        let mut world = World::new(&Scenario { distribution, ..Scenario::default() }).unwrap();
         world.reset(777, index);
         let cover = best_sites(&world);
         assert!(cover.proven, "{cover:?}");
         assert_eq!(cover.sites.len(), 20);
         let poi: Vec<_> = world.poi_x().iter().copied().zip(world.poi_y().iter().copied()).collect();
-        world.set_layout(&cover.sites, &poi).unwrap();
+        world.set_positions(&cover.sites, &poi).unwrap();
         assert_eq!(world.covered(), cover.covered);
     }
 }

@@ -2,11 +2,11 @@
 
 use super::model::Counts;
 use super::policy::RadioPolicy;
-use super::settings::LinkError;
+use super::settings::RadioError;
 use crate::evaluate::{Evaluation, fly};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::world::World;
-use firmware_core::actor::Flown;
+use firmware_core::actor::ActorInput;
 use firmware_core::neighbour_table::Answer;
 use firmware_core::observation::MAX_NEIGHBOURS;
 use rayon::prelude::*;
@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 /// What a link did to a swarm: sums over steps and UAVs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct LinkFigures {
+pub struct RadioFigures {
     /// What became of the datagrams.
     pub counts: Counts,
     /// Messages that neighbour tables took.
@@ -33,7 +33,7 @@ pub struct LinkFigures {
     pub features: u64,
 }
 
-impl LinkFigures {
+impl RadioFigures {
     /// Adds a message's fate.
     pub(super) fn add_answer(&mut self, answer: Answer) {
         *(if answer.is_taken() { &mut self.taken } else { &mut self.refused }) += 1;
@@ -75,13 +75,13 @@ impl LinkFigures {
 
 /// Why an evaluation over a link cannot be.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum OverLinkError {
+pub enum RadioWorldError {
     /// No such worlds.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
     /// No such link.
     #[error(transparent)]
-    Link(#[from] LinkError),
+    Link(#[from] RadioError),
 }
 
 /// [`crate::evaluate`] with a policy that flies over a link, and what the link did.
@@ -90,17 +90,17 @@ pub enum OverLinkError {
 ///
 /// # Errors
 /// When the scenario is not valid or the policy made for another number of UAVs.
-pub fn evaluate_over<O: Flown>(
+pub fn evaluate_over<O: ActorInput>(
     scenario: &Scenario,
     seed: u64,
     worlds: u64,
     policy: &RadioPolicy<'_, O>,
     policy_seed: impl Fn(u64) -> u64 + Sync,
-) -> Result<(Evaluation, LinkFigures), OverLinkError> {
+) -> Result<(Evaluation, RadioFigures), RadioWorldError> {
     let fresh = World::new(scenario)?;
     let nodes = policy.radio().nodes();
     if nodes != scenario.uavs {
-        return Err(LinkError::OtherNodes { nodes, uavs: scenario.uavs }.into());
+        return Err(RadioError::OtherNodes { nodes, uavs: scenario.uavs }.into());
     }
     let flown = (0..worlds).into_par_iter().map_init(
         || (fresh.clone(), policy.clone()),
@@ -112,5 +112,5 @@ pub fn evaluate_over<O: Flown>(
         },
     );
     let (worlds, figures): (Vec<_>, Vec<_>) = flown.unzip();
-    Ok((Evaluation { worlds }, figures.into_iter().fold(LinkFigures::default(), LinkFigures::plus)))
+    Ok((Evaluation { worlds }, figures.into_iter().fold(RadioFigures::default(), RadioFigures::plus)))
 }

@@ -1,7 +1,7 @@
 //! A radio link that is not perfect, and a swarm that flies by it.
 //!
 //! [`Radio`] carries datagrams between the nodes of a swarm and does to them what
-//! [`LinkSettings`] say: it loses, delays, doubles, reorders and damages them, and ends at a
+//! [`RadioSettings`] say: it loses, delays, doubles, reorders and damages them, and ends at a
 //! range. It knows nothing of what is in them, of sockets or of clocks, so tests, a bridge and
 //! an evaluation can all play the same link. [`RadioPolicy`] flies a world's UAVs as boards do:
 //! each knows the others only by the messages that such a link brings it. [`RadioObserver`]
@@ -19,9 +19,9 @@ mod policy;
 mod settings;
 mod swarm;
 
-pub use figures::{LinkFigures, OverLinkError, evaluate_over};
+pub use figures::{RadioFigures, RadioWorldError, evaluate_over};
 pub use model::{Counts, Datagram, MAX_NODES, Radio};
 pub use observer::RadioObserver;
 pub use policy::RadioPolicy;
-pub use settings::{KEYS, LinkError, LinkSettings};
+pub use settings::{KEYS, RadioError, RadioSettings};
 pub use swarm::{DECIDE_MS, ENCODE_MS};

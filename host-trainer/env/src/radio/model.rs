@@ -1,7 +1,7 @@
 //! Datagrams between the nodes of a swarm.
 
 use super::draws::{Draws, key};
-use super::settings::{LinkError, LinkSettings};
+use super::settings::{RadioError, RadioSettings};
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -108,11 +108,11 @@ impl Ord for Flight {
 /// radio.broadcast(1_000, 3, b"from node 3 at 1,000 ms");
 /// let heard = (0..20).filter(|&node| radio.poll(1_060, node).is_some()).count() as u64;
 /// assert_eq!(heard + radio.counts().lost, 19);
-/// # Ok::<(), covey_env::radio::LinkError>(())
+/// # Ok::<(), covey_env::radio::RadioError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Radio {
-    settings: LinkSettings,
+    settings: RadioSettings,
     key: u64,
     nodes: usize,
     /// By sender, then receiver.
@@ -131,10 +131,10 @@ impl Radio {
     ///
     /// # Errors
     /// Settings or a number of nodes that cannot be.
-    pub fn new(settings: &LinkSettings, nodes: usize, seed: u64) -> Result<Self, LinkError> {
+    pub fn new(settings: &RadioSettings, nodes: usize, seed: u64) -> Result<Self, RadioError> {
         settings.validate()?;
         if !(1..=MAX_NODES).contains(&nodes) {
-            return Err(LinkError::Nodes(nodes));
+            return Err(RadioError::Nodes(nodes));
         }
         Ok(Self {
             settings: settings.clone(),
@@ -166,7 +166,7 @@ impl Radio {
     ///
     /// # Errors
     /// Settings that cannot be; the old ones stay.
-    pub fn retune(&mut self, settings: &LinkSettings) -> Result<(), LinkError> {
+    pub fn retune(&mut self, settings: &RadioSettings) -> Result<(), RadioError> {
         settings.validate()?;
         self.settings.clone_from(settings);
         Ok(())
@@ -174,7 +174,7 @@ impl Radio {
 
     /// The settings.
     #[must_use]
-    pub const fn settings(&self) -> &LinkSettings {
+    pub const fn settings(&self) -> &RadioSettings {
         &self.settings
     }
 
@@ -293,7 +293,7 @@ impl Radio {
 
     /// Gives a copy its time of arrival and its bytes, damaged or not.
     fn fill(&mut self, flight: &mut Flight, now_ms: u64, bytes: &[u8], draws: &mut Draws) {
-        let LinkSettings { delay_ms, jitter_ms, corrupt, .. } = self.settings;
+        let RadioSettings { delay_ms, jitter_ms, corrupt, .. } = self.settings;
         let late_ms = draws.below(jitter_ms + 1);
         flight.due_ms = now_ms.saturating_add(u64::from(delay_ms)).saturating_add(u64::from(late_ms));
         let mut copy = self.spare.pop().unwrap_or_else(|| Vec::with_capacity(ROOM));
@@ -318,8 +318,8 @@ impl Radio {
 }
 
 /// Whether the next datagram of a direction is lost.
-fn loses(settings: &LinkSettings, direction: &mut Direction, sequence: u32, draws: &mut Draws) -> bool {
-    let LinkSettings { loss, burst, .. } = *settings;
+fn loses(settings: &RadioSettings, direction: &mut Direction, sequence: u32, draws: &mut Draws) -> bool {
+    let RadioSettings { loss, burst, .. } = *settings;
     let probability = match burst {
         Some(burst) if sequence > 0 && loss < 1.0 => match direction.gone {
             true => 1.0 - 1.0 / burst,

@@ -1,15 +1,15 @@
 //! The int8 actor over a link.
 
-use super::figures::LinkFigures;
+use super::figures::RadioFigures;
 use super::model::Radio;
-use super::settings::{LinkError, LinkSettings};
+use super::settings::{RadioError, RadioSettings};
 use super::swarm::Swarm;
 use crate::policy::Policy;
 use crate::world::World;
 use firmware_core::action::Action;
-use firmware_core::actor::{Feature, Flown, FormActor, Logits, Mode};
+use firmware_core::actor::{ActorInput, Feature, Logits, Mode, QuantisedActor};
 use firmware_core::message;
-use firmware_core::neighbour_table::Policy as TablePolicy;
+use firmware_core::neighbour_table::PolicyId;
 use firmware_core::observation::{Neighbours, Observation};
 
 /// Flies all UAVs of a world with one actor, over a link.
@@ -23,8 +23,8 @@ use firmware_core::observation::{Neighbours, Observation};
 ///
 /// Over a perfect link that reaches 34 u or farther it is [`crate::ActorPolicy`], to the bit.
 #[derive(Clone, Debug)]
-pub struct RadioPolicy<'a, O: Flown = Observation> {
-    actor: FormActor<'a, O>,
+pub struct RadioPolicy<'a, O: ActorInput = Observation> {
+    actor: QuantisedActor<'a, O>,
     seed: u64,
     mode: Mode,
     swarm: Swarm,
@@ -32,19 +32,19 @@ pub struct RadioPolicy<'a, O: Flown = Observation> {
     features: Vec<Feature>,
 }
 
-impl<'a, O: Flown> RadioPolicy<'a, O> {
+impl<'a, O: ActorInput> RadioPolicy<'a, O> {
     /// `seed` is the policy seed that all UAVs share; the link's draws come from it too.
     ///
     /// # Errors
     /// Settings that cannot be, or more UAVs than a link has nodes.
     pub fn new(
-        actor: FormActor<'a, O>,
+        actor: QuantisedActor<'a, O>,
         seed: u64,
         mode: Mode,
-        link: &LinkSettings,
+        link: &RadioSettings,
         uavs: usize,
-    ) -> Result<Self, LinkError> {
-        let mut swarm = Swarm::new(link, uavs, TablePolicy::of(&actor))?;
+    ) -> Result<Self, RadioError> {
+        let mut swarm = Swarm::new(link, uavs, PolicyId::of(&actor))?;
         swarm.begin(seed);
         let observations = vec![O::BLANK; uavs];
         let features = observations.iter().map(|o| actor.encode(o)).collect();
@@ -110,12 +110,12 @@ impl<'a, O: Flown> RadioPolicy<'a, O> {
 
     /// What the link has done to the swarm in this episode.
     #[must_use]
-    pub fn figures(&self) -> LinkFigures {
+    pub fn figures(&self) -> RadioFigures {
         self.swarm.figures()
     }
 }
 
-impl<O: Flown> Policy for RadioPolicy<'_, O> {
+impl<O: ActorInput> Policy for RadioPolicy<'_, O> {
     fn begin(&mut self, _: &World) {
         self.swarm.begin(self.seed);
     }

@@ -13,7 +13,7 @@ const LONGEST_MS: u32 = 600_000;
 /// `perfect` stands for the default.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct LinkSettings {
+pub struct RadioSettings {
     /// Share of datagrams that is lost, 0 to 1.
     pub loss: f64,
     /// Mean number of datagrams of one direction that are lost in a row (Gilbert and Elliott's
@@ -43,7 +43,7 @@ pub const KEYS: [&str; 8] = ["loss", "burst", "delay_ms", "jitter_ms", "duplicat
 
 /// A link that cannot be.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum LinkError {
+pub enum RadioError {
     /// A share outside 0 to 1, or not a number.
     #[error("link: {key} = {value} is no share; use 0 to 1")]
     Share {
@@ -105,16 +105,16 @@ pub enum LinkError {
     },
 }
 
-impl LinkSettings {
+impl RadioSettings {
     /// Checks every setting.
     ///
     /// # Errors
     /// The first setting that cannot be.
-    pub fn validate(&self) -> Result<(), LinkError> {
+    pub fn validate(&self) -> Result<(), RadioError> {
         let shares =
             [("loss", self.loss), ("duplicate", self.duplicate), ("reorder", self.reorder), ("corrupt", self.corrupt)];
         if let Some(&(key, value)) = shares.iter().find(|(_, v)| !(0.0..=1.0).contains(v)) {
-            return Err(LinkError::Share { key, value });
+            return Err(RadioError::Share { key, value });
         }
         if let Some(burst) = self.burst {
             let least = 1.0 / (1.0 - self.loss);
@@ -122,23 +122,23 @@ impl LinkSettings {
             let matters = self.loss > 0.0 && self.loss < 1.0;
             // A little less is a rounded 1/(1 − loss).
             if !burst.is_finite() || burst < 1.0 || (matters && burst < least - 0.005) {
-                return Err(LinkError::Burst { burst, loss: self.loss, least });
+                return Err(RadioError::Burst { burst, loss: self.loss, least });
             }
         }
         for (key, ms) in [("delay_ms", self.delay_ms), ("jitter_ms", self.jitter_ms)] {
             if ms > LONGEST_MS {
-                return Err(LinkError::Long { key, ms });
+                return Err(RadioError::Long { key, ms });
             }
         }
         match self.range_u {
-            Some(range) if !(range.is_finite() && range > 0.0) => Err(LinkError::Range(range)),
+            Some(range) if !(range.is_finite() && range > 0.0) => Err(RadioError::Range(range)),
             _ => Ok(()),
         }
     }
 
-    fn set(&mut self, key: &'static str, value: &str) -> Result<(), LinkError> {
-        fn number<T: FromStr>(key: &'static str, value: &str) -> Result<T, LinkError> {
-            value.parse().map_err(|_| LinkError::Value { key, value: value.to_owned() })
+    fn set(&mut self, key: &'static str, value: &str) -> Result<(), RadioError> {
+        fn number<T: FromStr>(key: &'static str, value: &str) -> Result<T, RadioError> {
+            value.parse().map_err(|_| RadioError::Value { key, value: value.to_owned() })
         }
         match key {
             "loss" => self.loss = number(key, value)?,
@@ -155,7 +155,7 @@ impl LinkSettings {
 }
 
 /// What [`FromStr`] reads, without what is as in the perfect link.
-impl fmt::Display for LinkSettings {
+impl fmt::Display for RadioSettings {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let share = |v: f64| (v != 0.0).then(|| v.to_string());
         let time = |v: u32| (v != 0).then(|| v.to_string());
@@ -175,10 +175,10 @@ impl fmt::Display for LinkSettings {
     }
 }
 
-impl FromStr for LinkSettings {
-    type Err = LinkError;
+impl FromStr for RadioSettings {
+    type Err = RadioError;
 
-    fn from_str(text: &str) -> Result<Self, LinkError> {
+    fn from_str(text: &str) -> Result<Self, RadioError> {
         let mut settings = Self::default();
         if text.trim() == "perfect" {
             return Ok(settings);
@@ -186,13 +186,13 @@ impl FromStr for LinkSettings {
         let mut seen = Vec::new();
         for part in text.split(',') {
             let Some((key, value)) = part.split_once('=') else {
-                return Err(LinkError::Form(part.trim().to_owned()));
+                return Err(RadioError::Form(part.trim().to_owned()));
             };
             let Some(key) = KEYS.into_iter().find(|k| *k == key.trim()) else {
-                return Err(LinkError::Unknown(key.trim().to_owned()));
+                return Err(RadioError::Unknown(key.trim().to_owned()));
             };
             if seen.contains(&key) {
-                return Err(LinkError::Twice(key));
+                return Err(RadioError::Twice(key));
             }
             seen.push(key);
             settings.set(key, value.trim())?;
@@ -208,23 +208,23 @@ mod tests {
     use proptest::prelude::*;
 
     fn error(text: &str) -> String {
-        text.parse::<LinkSettings>().unwrap_err().to_string()
+        text.parse::<RadioSettings>().unwrap_err().to_string()
     }
 
     #[test]
     fn text_says_what_it_means() {
-        let link: LinkSettings = "loss=0.25, burst=4 ,delay_ms=2000,range_u=34".parse().unwrap();
-        let expected = LinkSettings {
+        let link: RadioSettings = "loss=0.25, burst=4 ,delay_ms=2000,range_u=34".parse().unwrap();
+        let expected = RadioSettings {
             loss: 0.25,
             burst: Some(4.0),
             delay_ms: 2000,
             range_u: Some(34.0),
-            ..LinkSettings::default()
+            ..RadioSettings::default()
         };
         assert_eq!(link, expected);
         assert_eq!(link.to_string(), "loss=0.25,burst=4,delay_ms=2000,range_u=34");
-        assert_eq!("perfect".parse(), Ok(LinkSettings::default()));
-        assert_eq!(LinkSettings::default().to_string(), "perfect");
+        assert_eq!("perfect".parse(), Ok(RadioSettings::default()));
+        assert_eq!(RadioSettings::default().to_string(), "perfect");
     }
 
     #[test]
@@ -249,8 +249,8 @@ mod tests {
             assert!(words.iter().all(|w| said.contains(w)), "{text}: {said}");
         }
         // What chance makes, to two decimals, is allowed; and without loss any burst is.
-        assert!("loss=0.3,burst=1.43".parse::<LinkSettings>().is_ok());
-        assert!("burst=1".parse::<LinkSettings>().is_ok());
+        assert!("loss=0.3,burst=1.43".parse::<RadioSettings>().is_ok());
+        assert!("burst=1".parse::<RadioSettings>().is_ok());
     }
 
     proptest! {
@@ -261,10 +261,10 @@ mod tests {
             [duplicate, reorder, corrupt] in prop::array::uniform3(0.0f64..=1.0),
             range_u in prop::option::of(0.1f32..1e6),
         ) {
-            let link = LinkSettings { loss, burst, delay_ms, jitter_ms, duplicate, reorder, corrupt, range_u };
+            let link = RadioSettings { loss, burst, delay_ms, jitter_ms, duplicate, reorder, corrupt, range_u };
             match link.validate() {
                 Ok(()) => prop_assert_eq!(link.to_string().parse(), Ok(link)),
-                Err(e) => prop_assert_eq!(link.to_string().parse::<LinkSettings>(), Err(e)),
+                Err(e) => prop_assert_eq!(link.to_string().parse::<RadioSettings>(), Err(e)),
             }
         }
     }

@@ -1,12 +1,12 @@
 //! UAVs that know each other by what their radio brings, and by nothing else.
 
-use super::figures::LinkFigures;
+use super::figures::RadioFigures;
 use super::model::Radio;
-use super::settings::{LinkError, LinkSettings};
+use super::settings::{RadioError, RadioSettings};
 use crate::world::World;
 use firmware_core::geometry::{COMMUNICATION_RANGE_U, OBSERVATION_RANGE_U, State, TICKS_PER_U, Vec2};
 use firmware_core::message::{Beacon, Feature, Header, MAX_LEN, Message};
-use firmware_core::neighbour_table::{DEFAULT_STEP_MS, Moment, NeighbourTable, Policy};
+use firmware_core::neighbour_table::{DEFAULT_STEP_MS, Moment, NeighbourTable, PolicyId};
 use firmware_core::observation::{Form, Neighbours, Scene};
 
 /// When a UAV looks at its neighbours, encodes and sends its feature: ms after the step began,
@@ -23,8 +23,8 @@ const MARGIN_U: f32 = 0.01;
 pub(super) struct Swarm {
     pub(super) radio: Radio,
     pub(super) boards: Vec<Board>,
-    policy: Policy,
-    figures: LinkFigures,
+    policy: PolicyId,
+    figures: RadioFigures,
 }
 
 /// What one UAV holds.
@@ -51,7 +51,7 @@ pub(super) struct Seen<'o, O> {
 }
 
 impl Swarm {
-    pub(super) fn new(link: &LinkSettings, uavs: usize, policy: Policy) -> Result<Self, LinkError> {
+    pub(super) fn new(link: &RadioSettings, uavs: usize, policy: PolicyId) -> Result<Self, RadioError> {
         let radio = Radio::new(link, uavs, 0)?;
         let board = |id| Board {
             id,
@@ -62,7 +62,7 @@ impl Swarm {
         };
         // Radio::new bounds the number by MAX_NODES.
         let boards = (0..uavs as u16).map(board).collect();
-        Ok(Self { radio, boards, policy, figures: LinkFigures::default() })
+        Ok(Self { radio, boards, policy, figures: RadioFigures::default() })
     }
 
     /// A new episode: nobody has heard anything. The link's draws come from `seed`.
@@ -70,7 +70,7 @@ impl Swarm {
         self.radio.reset(seed);
         let policy = self.policy;
         self.boards.iter_mut().for_each(|b| b.table.reset(b.id, policy, DEFAULT_STEP_MS));
-        self.figures = LinkFigures::default();
+        self.figures = RadioFigures::default();
     }
 
     /// A step on the air, in the present state of `world`: beacons, views, observations (one
@@ -95,8 +95,8 @@ impl Swarm {
     }
 
     /// What the link has done in this episode.
-    pub(super) fn figures(&self) -> LinkFigures {
-        LinkFigures { counts: self.radio.counts(), ..self.figures }
+    pub(super) fn figures(&self) -> RadioFigures {
+        RadioFigures { counts: self.radio.counts(), ..self.figures }
     }
 
     fn send_beacons(&mut self, world: &World, now: Moment, now_ms: u64, tie: impl Fn(u16, u32) -> i8) {

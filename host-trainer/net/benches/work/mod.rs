@@ -4,9 +4,9 @@
 mod sample;
 
 use covey_env::baselines::Centroid;
-use covey_env::{ActorPolicy, Links, Observer, Policy, Scenario, World};
+use covey_env::{ActorPolicy, Neighbourhood, Observer, Policy, Scenario, World};
 use covey_net::{
-    ActorGradient, ActorNet, ActorPass, CriticGradient, CriticNet, CriticPass, Inputs, Layout, initialise,
+    ActorGradient, ActorNet, ActorPass, CriticGradient, CriticNet, CriticPass, Inputs, ParameterLayout, initialise,
     worlds_in_pass,
 };
 use firmware_core::action::{ACTIONS, Action};
@@ -44,7 +44,7 @@ pub struct Flight<'a> {
 }
 
 impl<'a> Flight<'a> {
-    /// Flown by this actor.
+    /// ActorInput by this actor.
     pub fn new(scenario: &Scenario, actor: Actor<'a>) -> Self {
         let world = World::new(scenario).expect("a sound scenario");
         Self { world, policy: ActorPolicy::new(actor, 1, Mode::Sample), actions: vec![Action::COAST; scenario.uavs] }
@@ -72,11 +72,11 @@ pub struct Environment {
     script: Vec<Vec<Action>>,
     observer: Observer,
     observations: Vec<Observation>,
-    links: Vec<Links>,
+    links: Vec<Neighbourhood>,
 }
 
 impl Environment {
-    /// Flown by the centroid heuristic, so that groups form and PoIs are seen.
+    /// ActorInput by the centroid heuristic, so that groups form and PoIs are seen.
     pub fn new(scenario: &Scenario) -> Self {
         let mut world = World::new(scenario).expect("a sound scenario");
         let mut policy = Centroid::new(1, 0);
@@ -88,7 +88,7 @@ impl Environment {
             world.step(&actions);
             script.push(actions.clone());
         }
-        let (observations, links) = (vec![[0; LEN]; scenario.uavs], vec![Links::default(); scenario.uavs]);
+        let (observations, links) = (vec![[0; LEN]; scenario.uavs], vec![Neighbourhood::default(); scenario.uavs]);
         Self { world, script, observer: Observer::new(1, 1_000_000), observations, links }
     }
 
@@ -117,13 +117,13 @@ pub struct Networks {
     critic_gradient: CriticGradient,
     inputs: Inputs,
     observations: Vec<Observation>,
-    links: Vec<Links>,
+    links: Vec<Neighbourhood>,
 }
 
 impl Networks {
     /// Sees `world_steps` states, from the beginnings and ends of flights.
     pub fn new(aggregation: Aggregation, world_steps: usize) -> Self {
-        let layouts = [Layout::actor(WIDTHS, aggregation), Layout::critic(WIDTHS)];
+        let layouts = [ParameterLayout::actor(WIDTHS, aggregation), ParameterLayout::critic(WIDTHS)];
         let (mut actor, mut critic) = (ActorNet::new(&layouts[0], aggregation), CriticNet::new(&layouts[1]));
         actor.load(&parameters(&layouts[0]));
         critic.load(&parameters(&layouts[1]));
@@ -203,7 +203,7 @@ fn slopes(outputs: &mut [f32]) {
 }
 
 /// Fresh weights with biases that let through as much as those of a trained network.
-fn parameters(layout: &Layout) -> Vec<f32> {
+fn parameters(layout: &ParameterLayout) -> Vec<f32> {
     let mut values = initialise(layout, "work", 1);
     for piece in layout.pieces() {
         let bias = match piece.name {
@@ -219,13 +219,13 @@ fn parameters(layout: &Layout) -> Vec<f32> {
 }
 
 /// What the UAVs see of as many world-steps, each of another flight.
-fn situations(world_steps: usize) -> (Vec<Observation>, Vec<Links>) {
+fn situations(world_steps: usize) -> (Vec<Observation>, Vec<Neighbourhood>) {
     let scenario = Scenario::default();
     let mut world = World::new(&scenario).expect("a sound scenario");
     let mut observer = Observer::new(9, 1_000_000);
     let mut actions = vec![Action::COAST; UAVS];
     let mut observations = vec![[0; LEN]; world_steps * UAVS];
-    let mut links = vec![Links::default(); world_steps * UAVS];
+    let mut links = vec![Neighbourhood::default(); world_steps * UAVS];
     for (k, (observations, links)) in observations.chunks_exact_mut(UAVS).zip(links.chunks_exact_mut(UAVS)).enumerate()
     {
         world.reset(5, k as u64);

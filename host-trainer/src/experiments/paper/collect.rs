@@ -174,7 +174,7 @@ const FLIGHTS: &str = "flights.json";
 
 /// What that file holds.
 #[derive(Serialize, Deserialize)]
-struct Flown {
+struct ActorInput {
     /// Content hash of the actor that flew.
     actor: String,
     worlds: Worlds,
@@ -229,7 +229,7 @@ fn same_worlds(run: &Run, other: &Settings) -> Result<(), CollectError> {
     let (s, o) = (run.settings.world(), other.world());
     let pairs = [
         ("pois", s.pois.to_string(), o.pois.to_string()),
-        ("scenario", format!("{:?}", s.law), format!("{:?}", o.law)),
+        ("scenario", format!("{:?}", s.distribution), format!("{:?}", o.distribution)),
         ("side", s.side_u.to_string(), o.side_u.to_string()),
         ("steps", s.steps.to_string(), o.steps.to_string()),
         ("eval_seed", run.settings.eval_seed.to_string(), other.eval_seed.to_string()),
@@ -282,7 +282,7 @@ fn baselines(
     mut watch: impl FnMut(&str),
 ) -> Result<Vec<Baseline>, CollectError> {
     let w = s.world();
-    let of = format!("{} {:?} {} {}", w.pois, w.law, w.side_u, w.steps);
+    let of = format!("{} {:?} {} {}", w.pois, w.distribution, w.side_u, w.steps);
     let fly = |policy: PolicyArg| {
         let file = out.join("runs").join(format!("{}.json", policy.name()));
         let flights = cached(&file, &of, worlds, || {
@@ -306,13 +306,13 @@ fn cached(
     if let Some(flown) = read(file).filter(|f| f.actor == of && f.worlds == worlds && sizes(&f.flights)) {
         return Ok(flown.flights);
     }
-    let flown = Flown { actor: of.to_owned(), worlds, flights: fly()? };
+    let flown = ActorInput { actor: of.to_owned(), worlds, flights: fly()? };
     atomic::write(file, serde_json::to_string(&flown)?.as_bytes())?;
     Ok(flown.flights)
 }
 
 /// Flights that were written before; none when there are none, or none that can be read.
-fn read(file: &Path) -> Option<Flown> {
+fn read(file: &Path) -> Option<ActorInput> {
     std::fs::read(file).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok())
 }
 

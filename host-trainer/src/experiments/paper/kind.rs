@@ -54,15 +54,15 @@ impl Kind {
             Self::Paper => Settings {
                 observation: ObservationForm::Cells,
                 uavs: 20,
-                uavs_most: 0,
-                other_law: 0.0,
+                uavs_max: 0,
+                other_distribution_share: 0.0,
                 episodes: 6000,
                 learning_rate_end: 0.1,
                 gamma: 0.97,
                 entropy_end: 0.001,
                 overlap_cost: 0.0,
-                teacher: 0.0,
-                averaging: 0.0,
+                cloning_weight: 0.0,
+                ema_decay: 0.0,
                 temperature: 1.0,
                 ..Settings::default()
             },
@@ -74,10 +74,10 @@ impl Kind {
 /// Settings of `--quick`: runs of about a second that learn next to nothing.
 pub const QUICK: [&str; 12] = [
     "episodes=24",
-    "worlds=4",
+    "num_envs=4",
     "shards=2",
     "steps=40",
-    "segment=20",
+    "rollout_steps=20",
     "hidden=16",
     "feature=8",
     "head=16",
@@ -135,12 +135,12 @@ mod tests {
         let seeds = [10, 11, 12, 13, 14];
         let all = ["none", "gcn", "gat"];
         assert_eq!(
-            command(Kind::Paper, &all, &seeds, &settings(Kind::Paper, "teacher=0"), 100),
+            command(Kind::Paper, &all, &seeds, &settings(Kind::Paper, "cloning_weight=0"), 100),
             "host-trainer experiment paper"
         );
         assert_eq!(
-            command(Kind::Shipped, &all, &[1, 2], &settings(Kind::Shipped, "scenario=uniform"), 10),
-            "host-trainer experiment paper --settings shipped --graphs none,gcn,gat --seeds 1,2 --worlds 10 --set scenario=uniform"
+            command(Kind::Shipped, &all, &[1, 2], &settings(Kind::Shipped, "poi_distribution=uniform"), 10),
+            "host-trainer experiment paper --settings shipped --graphs none,gcn,gat --seeds 1,2 --worlds 10 --set poi_distribution=uniform"
         );
     }
 

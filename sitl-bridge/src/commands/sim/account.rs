@@ -24,7 +24,7 @@ fn share_at(world: &World, places: &[(f32, f32)]) -> Option<f64> {
     let inside: Vec<_> = places.iter().map(|&(x, y)| (x.clamp(0.0, side), y.clamp(0.0, side))).collect();
     let pois: Vec<_> = world.poi_x().iter().copied().zip(world.poi_y().iter().copied()).collect();
     let mut scene = world.clone();
-    scene.set_layout(&inside, &pois).ok()?;
+    scene.set_positions(&inside, &pois).ok()?;
     Some(covered_share(&scene))
 }
 

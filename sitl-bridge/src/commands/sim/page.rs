@@ -245,7 +245,7 @@ fn figures(summary: &Summary) -> Vec<Figure> {
         figure("Coverage index, flown", estimate(summary.coverage_mean, 3), "", "as the nodes measured it".into()),
         figure("Coverage index, trainer", estimate(trained, 3), "", "int8 evaluation of the same worlds".into()),
         figure(
-            "Flown of the trainer's",
+            "ActorInput of the trainer's",
             estimate(100.0 * summary.coverage_mean / trained.max(1e-9), 1),
             "%",
             String::new(),

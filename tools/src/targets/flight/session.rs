@@ -4,7 +4,7 @@ use std::fs;
 use std::ops::Deref;
 use std::path::Path;
 
-use covey_link::qemu::Qemu;
+use covey_pil::qemu::Qemu;
 
 use super::super::qemu::Machine;
 use super::qmp::Qmp;

@@ -1,7 +1,7 @@
 //! The map as the planners see it: cells, and where PoIs are to be expected.
 
 use super::poi;
-use crate::scenario::Law;
+use crate::scenario::PoiDistribution;
 use crate::world::World;
 
 /// Side of a cell, u. Its centre is also a place to fly to.
@@ -14,7 +14,7 @@ const NEAR_U: f64 = 22.0;
 pub(super) struct Ground {
     side_u: f64,
     cells: usize,
-    law: Law,
+    distribution: PoiDistribution,
     pois: f64,
     /// Chance density of a PoI along one axis, by cell, 1/u.
     along: Vec<f64>,
@@ -40,7 +40,7 @@ impl Ground {
                 near.extend((0..cells).map(|c| libm::exp(-(centre(c) - axis).powi(2) / (2.0 * NEAR_U * NEAR_U))));
             }
         }
-        Self { side_u, cells, law: s.law, pois: s.pois as f64, along, near }
+        Self { side_u, cells, distribution: s.distribution, pois: s.pois as f64, along, near }
     }
 
     /// Side of the map, u.
@@ -68,9 +68,9 @@ impl Ground {
 
     /// PoIs to be expected in a cell before any is seen.
     pub(super) fn expected(&self, (a, b): (usize, usize)) -> f64 {
-        match self.law {
-            Law::Clustered => self.along[a] * self.along[b] * self.pois * CELL_U * CELL_U,
-            Law::Uniform => self.pois / (self.cells * self.cells) as f64,
+        match self.distribution {
+            PoiDistribution::Clustered => self.along[a] * self.along[b] * self.pois * CELL_U * CELL_U,
+            PoiDistribution::Uniform => self.pois / (self.cells * self.cells) as f64,
         }
     }
 

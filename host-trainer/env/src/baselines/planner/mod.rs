@@ -181,9 +181,9 @@ impl RememberingPlanner {
             fade: (-f64::from(now) / GUESS_FADES).exp(),
             kept: Some(mind.target()),
         };
-        let weights = match world.scenario().law {
-            crate::Law::Clustered => &REMEMBERING,
-            crate::Law::Uniform => &REMEMBERING_UNIFORM,
+        let weights = match world.scenario().distribution {
+            crate::PoiDistribution::Clustered => &REMEMBERING,
+            crate::PoiDistribution::Uniform => &REMEMBERING_UNIFORM,
         };
         let chosen = self.chooser.choose(&brief, weights, ground, |column| mind.show(ground, column));
         if let Some(target) = chosen {

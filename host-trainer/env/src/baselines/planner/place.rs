@@ -23,7 +23,7 @@ pub(super) struct Weights {
     /// Within this distance of the refined place a PoI counts in full; from there to the
     /// coverage range its weight falls to a fifth.
     pub sure_u: f64,
-    /// Weight of the PoIs to be expected in an unseen cell from the law alone.
+    /// Weight of the PoIs to be expected in an unseen cell from the distribution alone.
     pub prior: f64,
     /// Weight of the guess that PoIs lie near known ones.
     pub near_known: f64,

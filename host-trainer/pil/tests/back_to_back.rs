@@ -6,14 +6,14 @@ mod common;
 mod pipe;
 
 use common::sample_actor;
-use covey_link::{Client, LinkError, Options, Turn};
+use covey_pil::{Client, Options, PilError, Turn};
 use firmware_core::action::{ACTIONS, Action};
-use firmware_core::actor::{Actor, Aggregation, Logits, Mode, signature};
+use firmware_core::actor::{Actor, Aggregation, Logits, Mode, fingerprint};
 use firmware_core::geometry::{State, TICKS_PER_U, Vec2};
-use firmware_core::link::{Fault, Refusal, Setup};
 use firmware_core::message::{Beacon, Feature, Header, Message};
-use firmware_core::neighbour_table::{Answer, Moment, NeighbourTable, Policy};
+use firmware_core::neighbour_table::{Answer, Moment, NeighbourTable, PolicyId};
 use firmware_core::observation::{Neighbours, Scene, observe};
+use firmware_core::pil::{Fault, Refusal, Setup};
 use pipe::{Line, Pipe};
 use proptest::prelude::*;
 use std::time::Duration;
@@ -36,7 +36,7 @@ struct Home<'a> {
 
 impl<'a> Home<'a> {
     fn new(actor: Actor<'a>, setup: Setup) -> Self {
-        Self { actor, setup, table: NeighbourTable::new(setup.id, Policy::of(&actor), setup.step_ms) }
+        Self { actor, setup, table: NeighbourTable::new(setup.id, PolicyId::of(&actor), setup.step_ms) }
     }
 
     /// Feature message, logits, action, and number of features.
@@ -72,7 +72,7 @@ impl<'a> Home<'a> {
 /// Neighbours' messages of a step, from random numbers.
 fn messages(step: u32, draws: &[(i32, i32, i8)], actor: &Actor<'_>) -> (Vec<Message>, Vec<Message>) {
     let time_ms = step * 2000;
-    let width = usize::from(Policy::of(actor).width.max(1));
+    let width = usize::from(PolicyId::of(actor).width.max(1));
     let both = draws.iter().zip(1..).map(|(&(x, y, r), id)| {
         let header = Header { id, sequence: step as u16, step };
         let state = State { position: Vec2 { x: 100_000 + x, y: 100_000 + y }, velocity: Vec2 { x: y / 8, y: x / 8 } };
@@ -177,7 +177,7 @@ proptest! {
 #[test]
 fn signatures_agree_in_any_chunks() {
     let file = sample_actor(Aggregation::Gat, 2);
-    let expected = signature(&Actor::load(&file).unwrap(), 60);
+    let expected = fingerprint(&Actor::load(&file).unwrap(), 60);
     for chunk in [1, 7, 60, 1000] {
         let mut heard = 0;
         let mut board = client(&file, Line::perfect(), AT_ONCE);
@@ -195,7 +195,7 @@ fn a_board_without_a_sound_actor_is_refused() {
     file[200] ^= 4;
     let mut board = client(&file, Line::perfect(), AT_ONCE);
     let refused = board.hello(SETUP);
-    assert!(matches!(refused, Err(LinkError::Refused(Refusal::Fault(Fault::Checksum)))), "{refused:?}");
+    assert!(matches!(refused, Err(PilError::Refused(Refusal::Fault(Fault::Checksum)))), "{refused:?}");
     assert!(board.self_test().is_err());
 }
 
@@ -216,9 +216,9 @@ fn a_dead_board_is_silent() {
         }
     }
     let error = Client::new(Dead, Options { attempts: 3, ..AT_ONCE }).status().unwrap_err();
-    assert!(matches!(error, LinkError::Silent { request: "status", attempts: 3 }), "{error}");
+    assert!(matches!(error, PilError::Silent { request: "status", attempts: 3 }), "{error}");
     let closed = Client::new(std::io::Cursor::new(Vec::new()), AT_ONCE).status();
-    assert!(matches!(closed, Err(LinkError::Closed)));
+    assert!(matches!(closed, Err(PilError::Closed)));
 }
 
 #[test]
@@ -239,7 +239,7 @@ fn a_babbling_board_does_not_outlast_the_deadline() {
         }
     }
     let options = Options { timeout: Duration::from_nanos(1), attempts: 2 };
-    assert!(matches!(Client::new(Babble, options).status(), Err(LinkError::Silent { .. })));
+    assert!(matches!(Client::new(Babble, options).status(), Err(PilError::Silent { .. })));
 }
 
 #[test]
@@ -249,7 +249,7 @@ fn a_restart_on_the_way_is_noticed() {
     pipe.restart(&file);
     let mut board = Client::new(pipe, AT_ONCE);
     let refused = board.decide(3);
-    assert!(matches!(refused, Err(LinkError::Refused(Refusal::NotStarted))), "{refused:?}");
+    assert!(matches!(refused, Err(PilError::Refused(Refusal::NotStarted))), "{refused:?}");
     let report = board.restarted().unwrap();
     assert_eq!(board.hello(SETUP).unwrap(), report);
     assert_eq!(board.restarted(), None);
@@ -275,7 +275,7 @@ fn a_crowd_of_pois_is_an_error_and_far_ones_are_none() {
     let near = |n| std::iter::repeat_n(Vec2 { x: 5, y: 5 }, n);
     assert!(board.observe(now, State::default(), near(240)).is_ok());
     let crowd = board.observe(now, State::default(), near(241));
-    assert!(matches!(crowd, Err(LinkError::TooManyPois(241))), "{crowd:?}");
+    assert!(matches!(crowd, Err(PilError::TooManyPois(241))), "{crowd:?}");
     let far = std::iter::repeat_n(Vec2 { x: 14 * TICKS_PER_U, y: 0 }, 1000);
     assert!(board.observe(now, State::default(), far).is_ok());
 }
@@ -287,7 +287,7 @@ fn bytes_that_are_no_message_are_refused() {
     board.hello(SETUP).unwrap();
     for bytes in [&[1, 1, 1][..], &[0; 500]] {
         let refused = board.hear_bytes(Moment::default(), Vec2::default(), bytes);
-        assert!(matches!(refused, Err(LinkError::Refused(Refusal::Message))), "{refused:?}");
+        assert!(matches!(refused, Err(PilError::Refused(Refusal::Message))), "{refused:?}");
     }
     let own = Message::Beacon(Beacon::new(Header::default(), 0, State::default(), 0));
     let heard = board.hear(Moment::default(), Vec2::default(), &own).unwrap();
@@ -303,7 +303,7 @@ fn it_works_over_a_socket() {
     let board = std::thread::spawn(move || {
         use std::io::{Read, Write};
         let (mut stream, _) = listener.accept().unwrap();
-        let mut server = firmware_core::link::Server::new();
+        let mut server = firmware_core::pil::Server::new();
         stream.write_all(server.boot(&board_file)).unwrap();
         let mut chunk = [0; 64];
         while let Ok(n @ 1..) = stream.read(&mut chunk) {

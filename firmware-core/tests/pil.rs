@@ -1,14 +1,14 @@
-//! The actor link's frames and the board's end of it, byte by byte.
+//! The PIL protocol's frames and the board's end of it, byte by byte.
 
 mod common;
 
 use common::sample_actor;
-use firmware_core::actor::{Actor, Aggregation, LoadError, signature};
-use firmware_core::link::{
+use firmware_core::actor::{Actor, Aggregation, LoadError, fingerprint};
+use firmware_core::neighbour_table::{Answer, Moment};
+use firmware_core::pil::{
     Decided, Deframer, Fault, FrameError, Hear, MAX_CASES, MAX_POIS, MAX_REPLY, MAX_REQUEST, Observe, Observed,
     Refusal, Reply, Report, Request, Server, Setup, Status, VERSION, frame_len, seal, unseal,
 };
-use firmware_core::neighbour_table::{Answer, Moment};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use std::sync::LazyLock;
@@ -16,7 +16,7 @@ use std::sync::LazyLock;
 static ACTOR: LazyLock<Vec<u8>> = LazyLock::new(|| sample_actor(Aggregation::Gat, 3));
 
 const SETUP: Setup = Setup { id: 7, seed: 10, argmax: false, step_ms: 2000, half_side: 102_400 };
-/// `Hello(SETUP)` with tag 1, as `docs/actor-link.md` has it.
+/// `Hello(SETUP)` with tag 1, as `docs/pil.md` has it.
 const HELLO: &str = "0003010103070a0ad00f80c00cafbc911900";
 
 fn bytes(hex: &str) -> Vec<u8> {
@@ -89,7 +89,7 @@ fn observe(step: u32, pois: &[u8]) -> Request<'_> {
 #[test]
 fn the_committed_frame_holds() {
     assert_eq!(sealed(1, &Request::Hello(SETUP)), bytes(HELLO));
-    assert!(include_str!("../../docs/actor-link.md").contains(HELLO));
+    assert!(include_str!("../../docs/pil.md").contains(HELLO));
 }
 
 #[test]
@@ -107,7 +107,7 @@ fn the_longest_records_fit() {
     let mut long = [0; frame_len(MAX_REQUEST)];
     assert!(seal(1, &Request::Observe(observe), &mut long).unwrap().len() <= frame_len(MAX_REQUEST));
     let mut short = [0; frame_len(MAX_REPLY)];
-    let counters = firmware_core::link::Counters {
+    let counters = firmware_core::pil::Counters {
         done: u32::MAX,
         refused: u32::MAX,
         too_long: u32::MAX,
@@ -205,7 +205,7 @@ fn a_request_may_be_sent_again() {
     let [first, second] = [1, 1].map(|tag| feed(&mut server, &sealed(tag, &again)));
     assert_eq!(first, second);
     let actor = Actor::load(&ACTOR).unwrap();
-    let value = signature(&actor, 12);
+    let value = fingerprint(&actor, 12);
     assert_eq!(postcard::from_bytes::<Reply<'_>>(&first[0].1), Ok(Reply::Signature { cases: 12, value }));
 }
 

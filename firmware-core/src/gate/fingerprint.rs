@@ -4,14 +4,14 @@ use super::{Circle, Fence, Gate, Inputs, Limits, Measured, Mode, Proposal, Reque
 use rand_xoshiro::Xoshiro128PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
-/// Ticks in a full signature.
-pub const SIGNATURE_TICKS: u32 = 20_000;
+/// Ticks in a full fingerprint.
+pub const FINGERPRINT_TICKS: u32 = 20_000;
 
-/// A hash over the verdicts of `ticks` ticks ([`SIGNATURE_TICKS`] by convention) of one long made-up flight, in which a
+/// A hash over the verdicts of `ticks` ticks ([`FINGERPRINT_TICKS`] by convention) of one long made-up flight, in which a
 /// wild actor flies at the fence, everything goes wrong now and then, and the operator starts again. 0 when there is
 /// no such gate, which does not happen.
 #[must_use]
-pub fn signature(ticks: u32) -> u64 {
+pub fn fingerprint(ticks: u32) -> u64 {
     let corners = [(0, 0), (180, 0), (180, 80), (80, 90), (70, 180), (0, 150)];
     let fence = Fence::polygon(&corners.map(|(east, north)| Vector::new(east * 1000, north * 1000)));
     let circle = Circle { centre: Vector::new(60_000, 60_000), radius_mm: 110_000 };

@@ -1,13 +1,13 @@
 //! One board that plays a whole swarm, UAV after UAV.
 
-use crate::LinkError;
+use crate::PilError;
 use crate::client::{Client, Observed};
 use crate::exchange::name;
 use crate::records::{board, decided, heard, in_view, observe_request, observed, read};
 use firmware_core::geometry::{State, Vec2};
-use firmware_core::link::{Decided, Hear, Request, Setup};
 use firmware_core::message::{MAX_LEN, Message};
 use firmware_core::neighbour_table::Moment;
+use firmware_core::pil::{Decided, Hear, Request, Setup};
 use std::io::{Read, Write};
 
 /// A UAV's whole step, when all that it hears is known beforehand; see [`Client::take_turn`].
@@ -34,7 +34,7 @@ impl<S: Read + Write> Client<S> {
     ///
     /// # Errors
     /// As [`Self::hello`], [`Self::observe`] and [`Self::decide`].
-    pub fn take_turn(&mut self, turn: &Turn<'_>) -> Result<(Observed, Decided), LinkError> {
+    pub fn take_turn(&mut self, turn: &Turn<'_>) -> Result<(Observed, Decided), PilError> {
         let Turn { setup, now, own, .. } = *turn;
         let encode = |m: &Message| m.encode(&mut [0; MAX_LEN]).to_vec();
         let messages: Vec<Vec<u8>> = turn.beacons.iter().chain(turn.features).map(encode).collect();
@@ -61,6 +61,6 @@ impl<S: Read + Write> Client<S> {
                 _ => choice = Some(read(answer, name, |reply| decided(now.step, reply))?),
             }
         }
-        seen.zip(choice).ok_or(LinkError::Unexpected { request: "decide" })
+        seen.zip(choice).ok_or(PilError::Unexpected { request: "decide" })
     }
 }

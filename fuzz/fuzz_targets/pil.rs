@@ -4,4 +4,4 @@
 #[allow(dead_code)] // Each target runs one of them.
 mod checks;
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| checks::actor_link(data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| checks::pil(data));

@@ -1,10 +1,10 @@
 //! What can go wrong between host and board.
 
-use firmware_core::link::{MAX_POIS, Refusal, VERSION};
+use firmware_core::pil::{MAX_POIS, Refusal, VERSION};
 
 /// Why a request has no result.
 #[derive(Debug, thiserror::Error)]
-pub enum LinkError {
+pub enum PilError {
     /// The stream cannot be opened, read or written.
     #[error("the line to the board failed: {0}")]
     Io(std::io::Error),
@@ -42,7 +42,7 @@ pub enum LinkError {
 }
 
 // By hand: the message holds the cause already, which is then no source as well.
-impl From<std::io::Error> for LinkError {
+impl From<std::io::Error> for PilError {
     fn from(error: std::io::Error) -> Self {
         Self::Io(error)
     }

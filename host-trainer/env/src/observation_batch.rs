@@ -1,6 +1,6 @@
 //! Observations of either form, side by side.
 
-use firmware_core::actor::Flown;
+use firmware_core::actor::ActorInput;
 use firmware_core::observation::cells::Cells;
 use firmware_core::observation::{Form, Observation};
 use serde::{Deserialize, Serialize};
@@ -47,7 +47,7 @@ impl ObservationForm {
 
 /// Observations of one form.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Sights {
+pub enum ObservationBatch {
     /// In the compact form.
     Compact(Vec<Observation>),
     /// In cells.
@@ -56,7 +56,7 @@ pub enum Sights {
 
 /// Some of them, to read.
 #[derive(Clone, Copy, Debug)]
-pub enum SightsRef<'s> {
+pub enum ObservationSlice<'s> {
     /// In the compact form.
     Compact(&'s [Observation]),
     /// In cells.
@@ -65,14 +65,14 @@ pub enum SightsRef<'s> {
 
 /// Some of them, to write.
 #[derive(Debug)]
-pub enum SightsMut<'s> {
+pub enum ObservationSliceMut<'s> {
     /// In the compact form.
     Compact(&'s mut [Observation]),
     /// In cells.
     Cells(&'s mut [Cells]),
 }
 
-impl Sights {
+impl ObservationBatch {
     /// So many blank ones.
     #[must_use]
     pub fn new(form: ObservationForm, count: usize) -> Self {
@@ -121,10 +121,10 @@ impl Sights {
     /// # Panics
     /// When there are no such places.
     #[must_use]
-    pub fn part(&self, places: Range<usize>) -> SightsRef<'_> {
+    pub fn part(&self, places: Range<usize>) -> ObservationSlice<'_> {
         match self {
-            Self::Compact(v) => SightsRef::Compact(&v[places]),
-            Self::Cells(v) => SightsRef::Cells(&v[places]),
+            Self::Compact(v) => ObservationSlice::Compact(&v[places]),
+            Self::Cells(v) => ObservationSlice::Cells(&v[places]),
         }
     }
 
@@ -132,52 +132,52 @@ impl Sights {
     ///
     /// # Panics
     /// When there are no such places.
-    pub fn part_mut(&mut self, places: Range<usize>) -> SightsMut<'_> {
+    pub fn part_mut(&mut self, places: Range<usize>) -> ObservationSliceMut<'_> {
         match self {
-            Self::Compact(v) => SightsMut::Compact(&mut v[places]),
-            Self::Cells(v) => SightsMut::Cells(&mut v[places]),
+            Self::Compact(v) => ObservationSliceMut::Compact(&mut v[places]),
+            Self::Cells(v) => ObservationSliceMut::Cells(&mut v[places]),
         }
     }
 }
 
-impl<'s> From<&'s [Observation]> for SightsRef<'s> {
+impl<'s> From<&'s [Observation]> for ObservationSlice<'s> {
     fn from(all: &'s [Observation]) -> Self {
         Self::Compact(all)
     }
 }
 
-impl<'s> From<&'s Vec<Observation>> for SightsRef<'s> {
+impl<'s> From<&'s Vec<Observation>> for ObservationSlice<'s> {
     fn from(all: &'s Vec<Observation>) -> Self {
         Self::Compact(all)
     }
 }
 
-impl<'s> From<&'s Sights> for SightsRef<'s> {
-    fn from(all: &'s Sights) -> Self {
+impl<'s> From<&'s ObservationBatch> for ObservationSlice<'s> {
+    fn from(all: &'s ObservationBatch) -> Self {
         all.part(0..all.len())
     }
 }
 
-/// A form of which [`Sights`] can be.
-pub trait OfSights: Flown {
+/// A form of which [`ObservationBatch`] can be.
+pub trait BatchedObservation: ActorInput {
     /// All observations; none when they are of another form.
-    fn among(sights: &Sights) -> &[Self];
+    fn among(sights: &ObservationBatch) -> &[Self];
 }
 
-impl OfSights for Observation {
-    fn among(sights: &Sights) -> &[Self] {
+impl BatchedObservation for Observation {
+    fn among(sights: &ObservationBatch) -> &[Self] {
         match sights {
-            Sights::Compact(all) => all,
-            Sights::Cells(_) => &[],
+            ObservationBatch::Compact(all) => all,
+            ObservationBatch::Cells(_) => &[],
         }
     }
 }
 
-impl OfSights for Cells {
-    fn among(sights: &Sights) -> &[Self] {
+impl BatchedObservation for Cells {
+    fn among(sights: &ObservationBatch) -> &[Self] {
         match sights {
-            Sights::Cells(all) => all,
-            Sights::Compact(_) => &[],
+            ObservationBatch::Cells(all) => all,
+            ObservationBatch::Compact(_) => &[],
         }
     }
 }

@@ -1,7 +1,7 @@
 //! A board in this process.
 
 use crate::Options;
-use firmware_core::link::Server;
+use firmware_core::pil::Server;
 use std::collections::VecDeque;
 use std::io::{Error, ErrorKind, Read, Result, Write};
 use std::time::Duration;

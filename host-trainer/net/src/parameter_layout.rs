@@ -5,7 +5,7 @@ use firmware_core::actor::{Aggregation, Dimensions};
 
 /// One weight matrix (`inputs × outputs`, row-major) or bias (`1 × outputs`).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Piece {
+pub struct ParameterBlock {
     /// What it is.
     pub name: &'static str,
     /// Rows: inputs, or 1 for a bias.
@@ -18,7 +18,7 @@ pub struct Piece {
     pub start: usize,
 }
 
-impl Piece {
+impl ParameterBlock {
     /// Numbers in it.
     #[must_use]
     pub const fn len(&self) -> usize {
@@ -34,20 +34,20 @@ impl Piece {
 
 /// The pieces of a network in the order of its flat vector.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Layout {
-    pieces: Vec<Piece>,
+pub struct ParameterLayout {
+    pieces: Vec<ParameterBlock>,
 }
 
 /// Gain before a ReLU.
 const RELU_GAIN: f32 = std::f32::consts::SQRT_2;
 
-impl Layout {
+impl ParameterLayout {
     fn new(parts: &[(&'static str, usize, usize, f32)]) -> Self {
         let mut start = 0;
         let pieces = parts
             .iter()
             .map(|&(name, inputs, outputs, gain)| {
-                let piece = Piece { name, inputs, outputs, gain, start };
+                let piece = ParameterBlock { name, inputs, outputs, gain, start };
                 start += piece.len();
                 piece
             })
@@ -100,14 +100,14 @@ impl Layout {
 
     /// The pieces in order.
     #[must_use]
-    pub fn pieces(&self) -> &[Piece] {
+    pub fn pieces(&self) -> &[ParameterBlock] {
         &self.pieces
     }
 
     /// Length of the flat vector.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.pieces.iter().map(Piece::len).sum()
+        self.pieces.iter().map(ParameterBlock::len).sum()
     }
 
     /// Whether the network has no parameters.
@@ -147,7 +147,7 @@ impl Layout {
         &mut values[piece.start..piece.start + piece.len()]
     }
 
-    fn find(&self, name: &str) -> &Piece {
+    fn find(&self, name: &str) -> &ParameterBlock {
         self.pieces.iter().find(|p| p.name == name).unwrap_or_else(|| panic!("no piece {name}"))
     }
 }

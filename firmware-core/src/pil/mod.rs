@@ -1,4 +1,4 @@
-//! The actor link: how a host flies an actor on a board over a serial line.
+//! The PIL protocol: how a host flies an actor on a board over a serial line.
 //!
 //! The host asks, the board answers: the host passes on what a UAV measures and hears,
 //! the board keeps the neighbour table, encodes and decides. So the very code and
@@ -17,7 +17,7 @@
 //!
 //! The line may lose, damage or invent bytes. Frames carry a CRC-32 and a tag that the answer
 //! repeats; bad ones are counted and get no answer. Every request may be sent again when its
-//! answer is missing: a second one does no harm. `docs/actor-link.md` describes every byte.
+//! answer is missing: a second one does no harm. `docs/pil.md` describes every byte.
 
 mod frame;
 mod node;

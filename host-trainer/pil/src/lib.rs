@@ -1,12 +1,12 @@
-//! The host's end of the actor link (see [`firmware_core::link`]).
+//! The host's end of the PIL protocol (see [`firmware_core::pil`]).
 //!
 //! A [`Client`] flies an actor on a board over anything that can be read and written: a
 //! socket of an emulator, a serial line. A UAV's step is
 //!
 //! ```no_run
-//! # use covey_link::{Client, LinkError, Options};
+//! # use covey_pil::{Client, PilError, Options};
 //! # use firmware_core::{geometry::{State, Vec2}, link::Setup, message::Message, neighbour_table::Moment};
-//! # fn main() -> Result<(), LinkError> {
+//! # fn main() -> Result<(), PilError> {
 //! # let (state, pois, beacons, features) = (State::default(), [Vec2::default()], [], []);
 //! # let broadcast = |_: &[u8]| {};
 //! let mut board = Client::tcp("127.0.0.1:4444", Options::default())?;
@@ -39,7 +39,7 @@ mod records;
 mod turn;
 
 pub use client::{Board, Client, Heard, Observed};
-pub use error::LinkError;
+pub use error::PilError;
 pub use exchange::Options;
 pub use loopback::Loopback;
 pub use turn::Turn;

@@ -1,7 +1,7 @@
 //! Requests and their answers as bytes, with time-outs and further attempts.
 
-use crate::LinkError;
-use firmware_core::link::{Deframer, FrameError, MAX_REPLY, MAX_REQUEST, Request, UNASKED, frame_len, seal, unseal};
+use crate::PilError;
+use firmware_core::pil::{Deframer, FrameError, MAX_REPLY, MAX_REQUEST, Request, UNASKED, frame_len, seal, unseal};
 use std::collections::VecDeque;
 use std::io::{Error, ErrorKind, Read, Write};
 use std::time::{Duration, Instant};
@@ -98,13 +98,13 @@ impl<S: Read + Write> Exchange<S> {
     }
 
     /// Asks until there is an answer, and returns its record.
-    pub(crate) fn ask(&mut self, request: &Request<'_>) -> Result<Vec<u8>, LinkError> {
+    pub(crate) fn ask(&mut self, request: &Request<'_>) -> Result<Vec<u8>, PilError> {
         Ok(self.ask_all(std::slice::from_ref(request))?.swap_remove(0))
     }
 
     /// Asks all of these without waiting, until each has its answer, and returns their records.
     /// More than one only where the line holds back what the board has not read; see [`WINDOW`].
-    pub(crate) fn ask_all(&mut self, requests: &[Request<'_>]) -> Result<Vec<Vec<u8>>, LinkError> {
+    pub(crate) fn ask_all(&mut self, requests: &[Request<'_>]) -> Result<Vec<Vec<u8>>, PilError> {
         let mut records = Vec::with_capacity(requests.len());
         for window in requests.chunks(WINDOW) {
             records.append(&mut self.ask_window(window)?);
@@ -114,7 +114,7 @@ impl<S: Read + Write> Exchange<S> {
 
     /// All in one go; where an answer is lost, in two halves, one after the other: on a bad line
     /// a long window would hardly ever come through whole.
-    fn ask_window(&mut self, requests: &[Request<'_>]) -> Result<Vec<Vec<u8>>, LinkError> {
+    fn ask_window(&mut self, requests: &[Request<'_>]) -> Result<Vec<Vec<u8>>, PilError> {
         let alone = requests.len() <= 1;
         let attempts = if alone { self.options.attempts.max(1) } else { 1 };
         for _ in 0..attempts {
@@ -124,7 +124,7 @@ impl<S: Read + Write> Exchange<S> {
             }
         }
         if alone {
-            return Err(LinkError::Silent { request: requests.first().map_or("", name), attempts });
+            return Err(PilError::Silent { request: requests.first().map_or("", name), attempts });
         }
         let (first, second) = requests.split_at(requests.len() / 2);
         let mut records = self.ask_window(first)?;
@@ -133,7 +133,7 @@ impl<S: Read + Write> Exchange<S> {
     }
 
     /// Asks once; returns the records up to the first that did not come.
-    fn attempt(&mut self, requests: &[Request<'_>]) -> Result<Vec<Vec<u8>>, LinkError> {
+    fn attempt(&mut self, requests: &[Request<'_>]) -> Result<Vec<Vec<u8>>, PilError> {
         let tags = self.send(requests)?;
         let mut records = Vec::with_capacity(requests.len());
         let timeout = self.options.timeout;
@@ -152,7 +152,7 @@ impl<S: Read + Write> Exchange<S> {
     }
 
     /// Writes these requests in one go and returns their tags.
-    fn send(&mut self, requests: &[Request<'_>]) -> Result<Vec<u8>, LinkError> {
+    fn send(&mut self, requests: &[Request<'_>]) -> Result<Vec<u8>, PilError> {
         let (mut bytes, mut tags) = (Vec::new(), Vec::with_capacity(requests.len()));
         for request in requests {
             self.tag = if self.tag == u8::MAX { UNASKED + 1 } else { self.tag + 1 };
@@ -166,7 +166,7 @@ impl<S: Read + Write> Exchange<S> {
     }
 
     /// The next intact frame, or nothing until the deadline (none: until nothing comes).
-    fn receive(&mut self, deadline: Option<Instant>) -> Result<Option<Frame>, LinkError> {
+    fn receive(&mut self, deadline: Option<Instant>) -> Result<Option<Frame>, PilError> {
         loop {
             while let Some(byte) = self.pending.pop_front() {
                 let content = match self.deframer.push(byte) {
@@ -179,7 +179,7 @@ impl<S: Read + Write> Exchange<S> {
                 };
                 match unseal(content) {
                     Ok((tag, record)) => return Ok(Some(Frame { tag, record: record.to_vec() })),
-                    Err(FrameError::Version(version)) => return Err(LinkError::Version(version)),
+                    Err(FrameError::Version(version)) => return Err(PilError::Version(version)),
                     Err(_) => self.dropped += 1,
                 }
             }
@@ -192,10 +192,10 @@ impl<S: Read + Write> Exchange<S> {
     }
 
     /// Reads what there is; false when there is nothing yet.
-    fn fill(&mut self) -> Result<bool, LinkError> {
+    fn fill(&mut self) -> Result<bool, PilError> {
         let mut chunk = [0; 256];
         match self.stream.read(&mut chunk) {
-            Ok(0) => Err(LinkError::Closed),
+            Ok(0) => Err(PilError::Closed),
             Ok(n) => {
                 self.pending.extend(&chunk[..n]);
                 Ok(true)

@@ -5,10 +5,10 @@
 
 use super::record::{ActorInfo, Decided, Fault, Hear, Observe, Observed, Refusal, Reply, Report, Setup};
 use super::{MAX_CASES, MAX_POIS, POI_BYTES};
-use crate::actor::{Actor, Feature, MAX_FEATURE, Mode, Signature};
+use crate::actor::{Actor, Feature, Fingerprint, MAX_FEATURE, Mode};
 use crate::geometry::Vec2;
 use crate::message::{self, Header, MAX_LEN, Message};
-use crate::neighbour_table::{DEFAULT_STEP_MS, Moment, NeighbourTable, Policy};
+use crate::neighbour_table::{DEFAULT_STEP_MS, Moment, NeighbourTable, PolicyId};
 use crate::observation::{Neighbours, Observation, Scene, observe};
 
 pub(super) struct Node<'a> {
@@ -20,7 +20,7 @@ pub(super) struct Node<'a> {
     own: Feature,
     observed: Option<u32>,
     decisions: u32,
-    signature: Signature,
+    fingerprint: Fingerprint,
     signed: u32,
     /// The own feature message.
     message: [u8; MAX_LEN],
@@ -31,12 +31,12 @@ impl<'a> Node<'a> {
         Self {
             actor: Err(Fault::NotLoaded),
             setup: None,
-            table: NeighbourTable::new(0, Policy { hash: 0, width: 0 }, DEFAULT_STEP_MS),
+            table: NeighbourTable::new(0, PolicyId { hash: 0, width: 0 }, DEFAULT_STEP_MS),
             view: Neighbours::new(),
-            own: Feature { values: [0; MAX_FEATURE], attending: 0, attended: 0 },
+            own: Feature { values: [0; MAX_FEATURE], attention_destination: 0, attention_source: 0 },
             observed: None,
             decisions: 0,
-            signature: Signature::new(),
+            fingerprint: Fingerprint::new(),
             signed: 0,
             message: [0; MAX_LEN],
         }
@@ -69,7 +69,7 @@ impl<'a> Node<'a> {
             content_hash: actor.content_hash(),
             observation: crate::observation::ID,
             aggregation: actor.aggregation(),
-            width: Policy::of(actor).width,
+            width: PolicyId::of(actor).width,
             tie_period: actor.tie_period(),
         });
         Report { software: env!("CARGO_PKG_VERSION"), actor }
@@ -88,7 +88,7 @@ impl<'a> Node<'a> {
 
     pub(super) fn hello(&mut self, setup: Setup) {
         if let Ok(actor) = &self.actor {
-            self.table.reset(setup.id, Policy::of(actor), setup.step_ms);
+            self.table.reset(setup.id, PolicyId::of(actor), setup.step_ms);
             self.observed = None;
             self.setup = Some(setup);
         }
@@ -143,15 +143,15 @@ impl<'a> Node<'a> {
     pub(super) fn sign(&mut self, from: u32, cases: u16) -> Result<Reply<'static>, Refusal> {
         let actor = self.actor.as_ref().map_err(|&fault| Refusal::Fault(fault))?;
         if from == 0 {
-            (self.signature, self.signed) = (Signature::new(), 0);
+            (self.fingerprint, self.signed) = (Fingerprint::new(), 0);
         }
         if from == self.signed {
             for _ in 0..cases.min(MAX_CASES) {
-                self.signature.add_case(actor);
+                self.fingerprint.add_case(actor);
                 self.signed = self.signed.wrapping_add(1);
             }
         }
-        Ok(Reply::Signature { cases: self.signed, value: self.signature.value() })
+        Ok(Reply::Signature { cases: self.signed, value: self.fingerprint.value() })
     }
 
     /// Neighbours in view and the UAV itself.

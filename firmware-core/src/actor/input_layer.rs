@@ -8,7 +8,7 @@ use rand_xoshiro::Xoshiro128PlusPlus;
 use rand_xoshiro::rand_core::Rng;
 
 /// A form of the observation that an actor can fly with.
-pub trait Flown: Form {
+pub trait ActorInput: Form {
     /// The first layer, read in place.
     type First<'a>: Copy + Debug + Send + Sync;
     /// The length, for people.
@@ -39,7 +39,7 @@ pub trait Flown: Form {
     fn draw(random: &mut Xoshiro128PlusPlus) -> Self;
 }
 
-impl Flown for Observation {
+impl ActorInput for Observation {
     type First<'a> = Layer<'a>;
     const LEN_TEXT: &'static str = "160";
 
@@ -97,14 +97,14 @@ const BLOCK: usize = 8;
 /// The first layer of an actor that observes cells, read in place: of each number the weights
 /// of all rows lie together, so that of the numbers that are zero none is read.
 #[derive(Clone, Copy, Debug)]
-pub struct Gather<'a> {
+pub struct SparseLayer<'a> {
     /// Weights in blocks of rows, as many blocks a number as hold all rows.
     blocks: &'a [[u8; BLOCK]],
     biases: &'a [[u8; 4]],
     multipliers: &'a [[u8; 4]],
 }
 
-impl Gather<'_> {
+impl SparseLayer<'_> {
     fn add(&self, sums: &mut [i32; BLOCK], number: usize, block: usize, times: i32) {
         let at = number * self.biases.len().div_ceil(BLOCK) + block;
         if let Some(weights) = self.blocks.get(at) {
@@ -115,24 +115,24 @@ impl Gather<'_> {
     }
 }
 
-impl Flown for Cells {
-    type First<'a> = Gather<'a>;
+impl ActorInput for Cells {
+    type First<'a> = SparseLayer<'a>;
     const LEN_TEXT: &'static str = "1116";
 
     fn weight_bytes(rows: usize) -> usize {
         cells::LEN * rows.next_multiple_of(BLOCK)
     }
 
-    fn take<'a>(weights: &mut &'a [u8], tables: &mut &'a [u8], rows: usize) -> Result<Gather<'a>, LayerError> {
+    fn take<'a>(weights: &mut &'a [u8], tables: &mut &'a [u8], rows: usize) -> Result<SparseLayer<'a>, LayerError> {
         let (own, rest) = weights.split_at_checked(Self::weight_bytes(rows)).ok_or(LayerError::Short)?;
         *weights = rest;
         let Rectified { biases, multipliers } = Rectified::take(tables, rows)?;
-        Ok(Gather { blocks: own.as_chunks().0, biases, multipliers })
+        Ok(SparseLayer { blocks: own.as_chunks().0, biases, multipliers })
     }
 
     // With at most 120 ones and two velocities a sum is within 122·127² < 2²¹, and the biased
     // one within 2²⁵.
-    fn apply(&self, first: &Gather<'_>, out: &mut [i16]) {
+    fn apply(&self, first: &SparseLayer<'_>, out: &mut [i16]) {
         let tables = first.biases.chunks(BLOCK).zip(first.multipliers.chunks(BLOCK));
         for (block, (out, (biases, multipliers))) in out.chunks_mut(BLOCK).zip(tables).enumerate() {
             let mut sums = [0; BLOCK];

@@ -8,14 +8,14 @@ use firmware_core::random::tie_breaker;
 /// The neighbours that a UAV keeps: those its graph layer aggregates over, besides
 /// itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Links {
+pub struct Neighbourhood {
     /// How many.
     pub count: u8,
     /// Their ids, nearest first; zeros beyond `count`.
     pub to: [u16; MAX_NEIGHBOURS],
 }
 
-impl Links {
+impl Neighbourhood {
     /// Ids of the neighbours, nearest first.
     #[must_use]
     pub fn as_slice(&self) -> &[u16] {
@@ -53,9 +53,12 @@ impl Observer {
     ///
     /// # Panics
     /// When `out` or `links` has not one entry a UAV.
-    pub fn observe<O: Form>(&mut self, world: &World, out: &mut [O], links: &mut [Links]) {
+    pub fn observe<O: Form>(&mut self, world: &World, out: &mut [O], links: &mut [Neighbourhood]) {
         let uavs = world.scenario().uavs;
-        assert!(out.len() == uavs && links.len() == uavs, "observe: one observation and one Links for each UAV");
+        assert!(
+            out.len() == uavs && links.len() == uavs,
+            "observe: one observation and one Neighbourhood for each UAV"
+        );
         self.fill_beacons(world);
         let half_side = world.scenario().half_side_ticks();
         let mut neighbours = Neighbours::new();
@@ -97,8 +100,8 @@ impl Observer {
     }
 }
 
-fn links_to(neighbours: &Neighbours) -> Links {
-    let mut links = Links::default();
+fn links_to(neighbours: &Neighbours) -> Neighbourhood {
+    let mut links = Neighbourhood::default();
     for (to, n) in links.to.iter_mut().zip(neighbours.as_slice()) {
         *to = n.id;
         links.count += 1;
@@ -114,7 +117,7 @@ mod tests {
     use proptest::prelude::*;
 
     /// Everything about every UAV and PoI, without cells.
-    fn naive(world: &World, policy_seed: u64, tie_period: u32) -> Vec<(Observation, Links)> {
+    fn naive(world: &World, policy_seed: u64, tie_period: u32) -> Vec<(Observation, Neighbourhood)> {
         let n = world.scenario().uavs;
         let ticks = |i| Vec2::from_u(world.x()[i], world.y()[i]);
         let velocity = |i| Vec2::from_u(world.vx()[i], world.vy()[i]);
@@ -151,7 +154,7 @@ mod tests {
             world.reset(7, index);
             for step in 0..3 {
                 let mut out = vec![[0; firmware_core::observation::LEN]; uavs];
-                let mut links = vec![Links::default(); uavs];
+                let mut links = vec![Neighbourhood::default(); uavs];
                 Observer::new(policy_seed, tie_period).observe(&world, &mut out, &mut links);
                 let got: Vec<_> = out.into_iter().zip(links).collect();
                 prop_assert_eq!(got, naive(&world, policy_seed, tie_period));

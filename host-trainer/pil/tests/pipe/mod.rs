@@ -1,6 +1,6 @@
 //! A board in the same process at the other end of a bad line.
 
-use firmware_core::link::Server;
+use firmware_core::pil::Server;
 use std::collections::VecDeque;
 use std::io::{Error, ErrorKind, Read, Result, Write};
 

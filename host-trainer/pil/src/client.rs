@@ -1,12 +1,12 @@
 //! The requests, with the types of a host.
 
-use crate::LinkError;
+use crate::PilError;
 use crate::exchange::{Exchange, Options, name};
 use crate::records::{board, decided, heard, in_view, observe_request, observed, read};
 use firmware_core::geometry::{State, Vec2};
-use firmware_core::link::{ActorInfo, Decided, Fault, Hear, MAX_CASES, Refusal, Reply, Report, Request, Setup, Status};
 use firmware_core::message::{MAX_LEN, Message};
 use firmware_core::neighbour_table::{Answer, Moment};
+use firmware_core::pil::{ActorInfo, Decided, Fault, Hear, MAX_CASES, Refusal, Reply, Report, Request, Setup, Status};
 use std::io::{Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::Duration;
@@ -49,7 +49,7 @@ pub struct Observed {
     pub message: Vec<u8>,
 }
 
-/// The host's end of the actor link.
+/// The host's end of the PIL protocol.
 #[derive(Debug)]
 pub struct Client<S> {
     pub(crate) exchange: Exchange<S>,
@@ -59,8 +59,8 @@ impl Client<TcpStream> {
     /// Over TCP, as an emulator's serial port offers it.
     ///
     /// # Errors
-    /// [`LinkError::Io`] when nobody listens there.
-    pub fn tcp(address: impl ToSocketAddrs, options: Options) -> Result<Self, LinkError> {
+    /// [`PilError::Io`] when nobody listens there.
+    pub fn tcp(address: impl ToSocketAddrs, options: Options) -> Result<Self, PilError> {
         let stream = TcpStream::connect(address)?;
         stream.set_nodelay(true)?;
         stream.set_read_timeout(Some(TICK))?;
@@ -74,8 +74,8 @@ impl Client<std::os::unix::net::UnixStream> {
     /// Over a Unix socket.
     ///
     /// # Errors
-    /// [`LinkError::Io`] when nobody listens there.
-    pub fn unix(path: impl AsRef<std::path::Path>, options: Options) -> Result<Self, LinkError> {
+    /// [`PilError::Io`] when nobody listens there.
+    pub fn unix(path: impl AsRef<std::path::Path>, options: Options) -> Result<Self, PilError> {
         let stream = std::os::unix::net::UnixStream::connect(path)?;
         stream.set_read_timeout(Some(TICK))?;
         stream.set_write_timeout(Some(options.timeout.max(TICK)))?;
@@ -121,8 +121,8 @@ impl<S: Read + Write> Client<S> {
     /// Tells the board whom it flies for; its neighbour table starts empty.
     ///
     /// # Errors
-    /// See [`LinkError`]; [`Refusal::Fault`] when the board has no sound actor.
-    pub fn hello(&mut self, setup: Setup) -> Result<Board, LinkError> {
+    /// See [`PilError`]; [`Refusal::Fault`] when the board has no sound actor.
+    pub fn hello(&mut self, setup: Setup) -> Result<Board, PilError> {
         self.ask(&Request::Hello(setup), board)
     }
 
@@ -130,25 +130,25 @@ impl<S: Read + Write> Client<S> {
     ///
     /// # Errors
     /// As [`Self::hello`].
-    pub fn self_test(&mut self) -> Result<Board, LinkError> {
+    pub fn self_test(&mut self) -> Result<Board, PilError> {
         self.ask(&Request::SelfTest, board)
     }
 
     /// Passes on a neighbour's message heard at `now` at `own_position` (ticks).
     ///
     /// # Errors
-    /// See [`LinkError`].
-    pub fn hear(&mut self, now: Moment, own_position: Vec2, message: &Message) -> Result<Heard, LinkError> {
+    /// See [`PilError`].
+    pub fn hear(&mut self, now: Moment, own_position: Vec2, message: &Message) -> Result<Heard, PilError> {
         self.hear_bytes(now, own_position, message.encode(&mut [0; MAX_LEN]))
     }
 
     /// Passes on what may be a neighbour's message.
     ///
     /// # Errors
-    /// See [`LinkError`]; [`Refusal::Message`] when it is none.
-    pub fn hear_bytes(&mut self, now: Moment, own_position: Vec2, message: &[u8]) -> Result<Heard, LinkError> {
+    /// See [`PilError`]; [`Refusal::Message`] when it is none.
+    pub fn hear_bytes(&mut self, now: Moment, own_position: Vec2, message: &[u8]) -> Result<Heard, PilError> {
         if message.len() > MAX_LEN {
-            return Err(LinkError::Refused(Refusal::Message));
+            return Err(PilError::Refused(Refusal::Message));
         }
         let position = [own_position.x, own_position.y];
         self.ask(&Request::Hear(Hear { now, position, message }), heard)
@@ -158,13 +158,13 @@ impl<S: Read + Write> Client<S> {
     /// (positions, ticks; those out of view are left out).
     ///
     /// # Errors
-    /// See [`LinkError`]; [`LinkError::TooManyPois`] when more than [`firmware_core::link::MAX_POIS`] are in view.
+    /// See [`PilError`]; [`PilError::TooManyPois`] when more than [`firmware_core::pil::MAX_POIS`] are in view.
     pub fn observe(
         &mut self,
         now: Moment,
         own: State,
         pois: impl IntoIterator<Item = Vec2>,
-    ) -> Result<Observed, LinkError> {
+    ) -> Result<Observed, PilError> {
         let pois = in_view(own.position, pois)?;
         self.ask(&observe_request(now, own, &pois), |reply| observed(now.step, reply))
     }
@@ -172,16 +172,16 @@ impl<S: Read + Write> Client<S> {
     /// Lets the board decide the step that it observed last.
     ///
     /// # Errors
-    /// See [`LinkError`]; [`Refusal::NotObserved`] when that was another step.
-    pub fn decide(&mut self, step: u32) -> Result<Decided, LinkError> {
+    /// See [`PilError`]; [`Refusal::NotObserved`] when that was another step.
+    pub fn decide(&mut self, step: u32) -> Result<Decided, PilError> {
         self.ask(&Request::Decide { step }, |reply| decided(step, reply))
     }
 
     /// How the board and the line are.
     ///
     /// # Errors
-    /// See [`LinkError`].
-    pub fn status(&mut self) -> Result<Status, LinkError> {
+    /// See [`PilError`].
+    pub fn status(&mut self) -> Result<Status, PilError> {
         self.ask(&Request::Status, |reply| match reply {
             Reply::Status(status) => Some(Ok(status)),
             _ => None,
@@ -189,12 +189,12 @@ impl<S: Read + Write> Client<S> {
     }
 
     /// The signature of the board's actor over its first `cases` neighbourhoods (see
-    /// [`firmware_core::actor::signature`]), asked for `chunk` cases at a time so that a slow
+    /// [`firmware_core::actor::fingerprint`]), asked for `chunk` cases at a time so that a slow
     /// board answers within the time-out. `progress` hears how many are done.
     ///
     /// # Errors
-    /// See [`LinkError`]; [`LinkError::LostCount`] when the board restarted on the way.
-    pub fn signature(&mut self, cases: u32, chunk: u16, mut progress: impl FnMut(u32)) -> Result<u64, LinkError> {
+    /// See [`PilError`]; [`PilError::LostCount`] when the board restarted on the way.
+    pub fn signature(&mut self, cases: u32, chunk: u16, mut progress: impl FnMut(u32)) -> Result<u64, PilError> {
         let chunk = chunk.clamp(1, MAX_CASES);
         let mut from = 0;
         loop {
@@ -206,7 +206,7 @@ impl<S: Read + Write> Client<S> {
             })?;
             // A second attempt after a lost answer finds the cases added: the same count.
             if done != from + u32::from(add) {
-                return Err(LinkError::LostCount(done));
+                return Err(PilError::LostCount(done));
             }
             from = done;
             progress(from);
@@ -220,8 +220,8 @@ impl<S: Read + Write> Client<S> {
     fn ask<T>(
         &mut self,
         request: &Request<'_>,
-        pick: impl FnOnce(Reply<'_>) -> Option<Result<T, LinkError>>,
-    ) -> Result<T, LinkError> {
+        pick: impl FnOnce(Reply<'_>) -> Option<Result<T, PilError>>,
+    ) -> Result<T, PilError> {
         let record = self.exchange.ask(request)?;
         read(&record, name(request), pick)
     }

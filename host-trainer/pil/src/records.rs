@@ -1,27 +1,27 @@
 //! Requests and answers between a host's types and the protocol's.
 
-use crate::LinkError;
+use crate::PilError;
 use crate::client::{Board, Heard, Observed};
 use firmware_core::geometry::{OBSERVATION_RANGE_U, State, TICKS_PER_U, Vec2};
-use firmware_core::link::{Decided, MAX_POIS, Observe, POI_BYTES, Refusal, Reply, Report, Request};
 use firmware_core::neighbour_table::Moment;
+use firmware_core::pil::{Decided, MAX_POIS, Observe, POI_BYTES, Refusal, Reply, Report, Request};
 
 /// Makes of an answer what `pick` does; what it does not pick is unexpected.
 pub(crate) fn read<T>(
     record: &[u8],
     request: &'static str,
-    pick: impl FnOnce(Reply<'_>) -> Option<Result<T, LinkError>>,
-) -> Result<T, LinkError> {
+    pick: impl FnOnce(Reply<'_>) -> Option<Result<T, PilError>>,
+) -> Result<T, PilError> {
     match postcard::take_from_bytes(record) {
-        Ok((Reply::Refused(Refusal::Version(version)), [])) => Err(LinkError::Version(version)),
-        Ok((Reply::Refused(refusal), [])) => Err(LinkError::Refused(refusal)),
-        Ok((reply, [])) => pick(reply).unwrap_or(Err(LinkError::Unexpected { request })),
-        _ => Err(LinkError::Unexpected { request }),
+        Ok((Reply::Refused(Refusal::Version(version)), [])) => Err(PilError::Version(version)),
+        Ok((Reply::Refused(refusal), [])) => Err(PilError::Refused(refusal)),
+        Ok((reply, [])) => pick(reply).unwrap_or(Err(PilError::Unexpected { request })),
+        _ => Err(PilError::Unexpected { request }),
     }
 }
 
 /// The PoIs in view of `own`, as a request holds them.
-pub(crate) fn in_view(own: Vec2, pois: impl IntoIterator<Item = Vec2>) -> Result<Vec<u8>, LinkError> {
+pub(crate) fn in_view(own: Vec2, pois: impl IntoIterator<Item = Vec2>) -> Result<Vec<u8>, PilError> {
     let mut offsets = Vec::new();
     for poi in pois {
         let offset = poi - own;
@@ -32,7 +32,7 @@ pub(crate) fn in_view(own: Vec2, pois: impl IntoIterator<Item = Vec2>) -> Result
         }
     }
     if offsets.len() > MAX_POIS * POI_BYTES {
-        return Err(LinkError::TooManyPois(offsets.len() / POI_BYTES));
+        return Err(PilError::TooManyPois(offsets.len() / POI_BYTES));
     }
     Ok(offsets)
 }
@@ -42,14 +42,14 @@ pub(crate) const fn observe_request(now: Moment, own: State, pois: &[u8]) -> Req
     Request::Observe(Observe { now, position, velocity, pois })
 }
 
-pub(crate) const fn heard(reply: Reply<'_>) -> Option<Result<Heard, LinkError>> {
+pub(crate) const fn heard(reply: Reply<'_>) -> Option<Result<Heard, PilError>> {
     match reply {
         Reply::Heard { answer, kept } => Some(Ok(Heard { answer, kept })),
         _ => None,
     }
 }
 
-pub(crate) fn observed(step: u32, reply: Reply<'_>) -> Option<Result<Observed, LinkError>> {
+pub(crate) fn observed(step: u32, reply: Reply<'_>) -> Option<Result<Observed, PilError>> {
     match reply {
         Reply::Observed(o) if o.step == step => {
             Some(Ok(Observed { degree: o.degree, tie: o.tie, message: o.message.to_vec() }))
@@ -58,7 +58,7 @@ pub(crate) fn observed(step: u32, reply: Reply<'_>) -> Option<Result<Observed, L
     }
 }
 
-pub(crate) const fn decided(step: u32, reply: Reply<'_>) -> Option<Result<Decided, LinkError>> {
+pub(crate) const fn decided(step: u32, reply: Reply<'_>) -> Option<Result<Decided, PilError>> {
     match reply {
         Reply::Decided(d) if d.step == step => Some(Ok(d)),
         _ => None,
@@ -66,9 +66,9 @@ pub(crate) const fn decided(step: u32, reply: Reply<'_>) -> Option<Result<Decide
 }
 
 /// A board that may fly, out of its report.
-pub(crate) fn board(reply: Reply<'_>) -> Option<Result<Board, LinkError>> {
+pub(crate) fn board(reply: Reply<'_>) -> Option<Result<Board, PilError>> {
     match reply {
-        Reply::Report(Report { actor: Err(fault), .. }) => Some(Err(LinkError::Refused(Refusal::Fault(fault)))),
+        Reply::Report(Report { actor: Err(fault), .. }) => Some(Err(PilError::Refused(Refusal::Fault(fault)))),
         Reply::Report(report) => Some(Ok(report.into())),
         _ => None,
     }

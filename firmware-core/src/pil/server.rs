@@ -11,7 +11,7 @@ use super::{MAX_REPLY, MAX_REQUEST, UNASKED, VERSION};
 /// It owns all it needs, about 4 KiB, and starts in a constant, so it can be a static:
 ///
 /// ```
-/// # use firmware_core::link::Server;
+/// # use firmware_core::pil::Server;
 /// # let (file, line, mut sent) = (&[0u8; 4][..], [1u8, 2, 0], Vec::new());
 /// let mut server = Server::new();
 /// sent.extend_from_slice(server.boot(file));
