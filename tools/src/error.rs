@@ -94,6 +94,17 @@ pub enum Error {
         /// What is wrong with it and what to do.
         reason: String,
     },
+    /// A source file that cannot be parsed.
+    #[error("{}: {what}", path.display())]
+    Source {
+        /// The file.
+        path: PathBuf,
+        /// Where, and what is wrong.
+        what: String,
+    },
+    /// Circles of modules, and dependencies of crates that are not as drawn, one a line.
+    #[error("the modules or crates are not what they should be:\n{0}")]
+    Modules(String),
     /// Figures that are not what they should be, one a line.
     #[error("figures that are not what they should be:\n{0}")]
     Figures(String),
@@ -115,6 +126,11 @@ impl Error {
     /// What is wrong with an actor file.
     pub fn actor(path: &Path, reason: String) -> Self {
         Self::Actor { path: path.into(), reason }
+    }
+
+    /// What is wrong with a source file.
+    pub fn source(path: &Path, what: String) -> Self {
+        Self::Source { path: path.into(), what }
     }
 
     /// Something about an executable.

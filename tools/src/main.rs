@@ -5,6 +5,7 @@ mod counts;
 mod document;
 mod error;
 mod flash;
+mod modules;
 mod setup;
 mod size;
 mod targets;
@@ -29,6 +30,8 @@ enum Xtask {
     Size(size::Args),
     /// Put the program and an actor file on a board, or the node and the file on a computer.
     Flash(flash::Args),
+    /// Check that no modules need each other in a circle and that the crates' dependencies are as drawn.
+    Modules(modules::Args),
     /// Run every check and test, after setting up what they need.
     Test(test::Args),
 }
@@ -40,6 +43,7 @@ fn main() -> ExitCode {
         Xtask::Counts(args) => counts::main(&args),
         Xtask::Size(args) => size::main(&args),
         Xtask::Flash(args) => flash::main(&args),
+        Xtask::Modules(args) => modules::main(&args),
         Xtask::Test(args) => test::main(&args),
     };
     match done {

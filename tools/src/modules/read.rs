@@ -1,0 +1,194 @@
+//! Reading a target's source files into its module tree.
+
+use std::collections::HashMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use syn::visit::{self, Visit};
+use syn::{Attribute, Expr, Ident, Item, ItemMod, Lit, Meta, Visibility};
+
+use super::import::imports;
+use super::test_only::{attributes, is_test_only};
+use super::tree::{Binding, Meaning, Module, Tree};
+use crate::error::{Error, Result};
+
+/// Reads the target whose root file is `root`, following its `mod` declarations. Files are named by their paths from
+/// `package`.
+///
+/// # Errors
+/// A file is missing or cannot be parsed.
+pub fn read(package: &Path, root: &Path) -> Result<Tree> {
+    let canonical = |path: &Path| path.canonicalize().map_err(Error::file(path));
+    let (package, root) = (canonical(package)?, canonical(root)?);
+    let mut reader = Reader { package: &package, tree: Tree::default() };
+    let folder = root.parent().unwrap_or(&package);
+    reader.file(&root, folder, None)?;
+    Ok(reader.tree)
+}
+
+struct Reader<'p> {
+    package: &'p Path,
+    tree: Tree,
+}
+
+/// Where the `mod` declarations of a module look for files.
+struct Folders {
+    /// For `mod x;`.
+    children: PathBuf,
+    /// For `#[path]`.
+    paths: PathBuf,
+}
+
+impl Reader<'_> {
+    /// Reads a file whose child modules lie in `children`, and returns the number of its module.
+    fn file(&mut self, file: &Path, children: &Path, parent: Option<usize>) -> Result<usize> {
+        let text = fs::read_to_string(file).map_err(Error::file(file))?;
+        let parsed = syn::parse_file(&text).map_err(|error| {
+            let start = error.span().start();
+            Error::source(file, format!("line {}: {error}", start.line))
+        })?;
+        let name = file.strip_prefix(self.package).unwrap_or(file).display().to_string();
+        let folders =
+            Folders { children: children.into(), paths: file.parent().map_or_else(PathBuf::new, Path::to_path_buf) };
+        let items = if is_test_only(&parsed.attrs) { Vec::new() } else { parsed.items };
+        self.module(name, items, &folders, parent)
+    }
+
+    fn module(&mut self, file: String, items: Vec<Item>, folders: &Folders, parent: Option<usize>) -> Result<usize> {
+        let number = self.tree.modules.len();
+        let mut kept = Vec::new();
+        let mut children = Vec::new();
+        for item in items.into_iter().filter(|item| !is_test_only(attributes(item))) {
+            match item {
+                Item::Mod(child) => children.push(child),
+                other => kept.push(other),
+            }
+        }
+        let mut names = Names { module: number, bound: HashMap::new(), globs: Vec::new() };
+        kept.iter().for_each(|item| names.bind(item));
+        let inner = names.of_bodies(&kept);
+        for (name, bindings) in inner.bound {
+            names.bound.entry(name).or_insert(bindings);
+        }
+        names.globs.extend(inner.globs);
+        let Names { bound, globs, .. } = names;
+        self.tree.modules.push(Module { file: file.clone(), items: kept, parent, names: bound, globs });
+        for child in children {
+            let name = child.ident.to_string();
+            let binding = |meaning| Binding { public: is_public(&child.vis), meaning };
+            let inside = self.child(&file, child.clone(), folders, number)?;
+            let names = &mut self.tree.modules[number].names;
+            names.entry(name).or_default().push(binding(Meaning::Module(inside)));
+        }
+        Ok(number)
+    }
+
+    fn child(&mut self, file: &str, child: ItemMod, folders: &Folders, parent: usize) -> Result<usize> {
+        let name = child.ident.to_string();
+        let folder = folders.children.join(&name);
+        if let Some((_, items)) = child.content {
+            let inside = Folders { children: folder.clone(), paths: folder };
+            return self.module(file.into(), items, &inside, Some(parent));
+        }
+        if let Some(path) = child.attrs.iter().find_map(path_attribute) {
+            let found = folders.paths.join(path);
+            // Such a file is the root of its own folder, as a mod.rs is.
+            let found = found.canonicalize().map_err(Error::file(found))?;
+            let beside = found.parent().map_or_else(PathBuf::new, Path::to_path_buf);
+            return self.file(&found, &beside, Some(parent));
+        }
+        let (own, inner) = (folders.children.join(format!("{name}.rs")), folder.join("mod.rs"));
+        self.file(if inner.is_file() { &inner } else { &own }, &folder, Some(parent))
+    }
+}
+
+/// The path of `#[path = "…"]`.
+fn path_attribute(attribute: &Attribute) -> Option<String> {
+    let Meta::NameValue(pair) = &attribute.meta else { return None };
+    match &pair.value {
+        Expr::Lit(literal) if pair.path.is_ident("path") => match &literal.lit {
+            Lit::Str(path) => Some(path.value()),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// Collects the names that items give to their module.
+struct Names {
+    module: usize,
+    bound: HashMap<String, Vec<Binding>>,
+    globs: Vec<Binding>,
+}
+
+impl Names {
+    /// The names that are declared inside functions. They are taken as names of the module where it has no such name
+    /// itself: that is exact enough, and nothing outside sees them.
+    fn of_bodies(&self, items: &[Item]) -> Self {
+        let mut inner = Self { module: self.module, bound: HashMap::new(), globs: Vec::new() };
+        // The walk of an item's parts meets only what is inside it.
+        items.iter().for_each(|item| visit::visit_item(&mut inner, item));
+        for binding in inner.bound.values_mut().flatten().chain(&mut inner.globs) {
+            binding.public = false;
+        }
+        inner
+    }
+
+    fn bind(&mut self, item: &Item) {
+        let item_here = Meaning::Item(self.module);
+        match item {
+            Item::Use(declaration) => {
+                let public = is_public(&declaration.vis);
+                for import in imports(declaration) {
+                    let binding = Binding { public, meaning: Meaning::Import(import.path) };
+                    match import.name {
+                        Some(name) => self.bound.entry(name).or_default().push(binding),
+                        None => self.globs.push(binding),
+                    }
+                }
+            }
+            Item::ForeignMod(foreign) => {
+                for item in &foreign.items {
+                    match item {
+                        syn::ForeignItem::Fn(item) => self.add(&item.sig.ident, &item.vis, item_here.clone()),
+                        syn::ForeignItem::Static(item) => self.add(&item.ident, &item.vis, item_here.clone()),
+                        _ => {}
+                    }
+                }
+            }
+            Item::Const(item) => self.add(&item.ident, &item.vis, item_here),
+            Item::Enum(item) => self.add(&item.ident, &item.vis, item_here),
+            Item::Fn(item) => self.add(&item.sig.ident, &item.vis, item_here),
+            Item::Static(item) => self.add(&item.ident, &item.vis, item_here),
+            Item::Struct(item) => self.add(&item.ident, &item.vis, item_here),
+            Item::Trait(item) => self.add(&item.ident, &item.vis, item_here),
+            Item::TraitAlias(item) => self.add(&item.ident, &item.vis, item_here),
+            Item::Type(item) => self.add(&item.ident, &item.vis, item_here),
+            Item::Union(item) => self.add(&item.ident, &item.vis, item_here),
+            Item::Macro(item) => {
+                if let Some(name) = &item.ident {
+                    self.add(name, &Visibility::Inherited, item_here);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn add(&mut self, name: &Ident, visibility: &Visibility, meaning: Meaning) {
+        let binding = Binding { public: is_public(visibility), meaning };
+        self.bound.entry(name.to_string()).or_default().push(binding);
+    }
+}
+
+impl<'a> Visit<'a> for Names {
+    fn visit_item(&mut self, item: &'a Item) {
+        if !is_test_only(attributes(item)) {
+            self.bind(item);
+            visit::visit_item(self, item);
+        }
+    }
+}
+
+fn is_public(visibility: &Visibility) -> bool {
+    !matches!(visibility, Visibility::Inherited)
+}
