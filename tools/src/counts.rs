@@ -3,7 +3,6 @@
 //! Valgrind shows every program the same made-up processor, one with AVX2, and counts what the program executes: on
 //! any computer with AVX2 the counts are the same, to the instruction, as long as the compiler is.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -11,15 +10,13 @@ use serde::{Deserialize, Serialize};
 use crate::command::Cmd;
 use crate::document;
 use crate::error::{Error, Result};
+use crate::figures::{self, grouped, is_close};
 use crate::setup::{self, Item};
-use crate::targets::row::grouped;
 use crate::workspace;
 
 /// What must be installed.
 pub const NEEDS: &[Item] = &[Item::Valgrind];
 
-/// How far a count may be from the committed one, in hundredths: compilers differ.
-const TOLERANCE: u64 = 3;
 /// The same work in a large world and in the default one: at most this many times the instructions an agent-step.
 const GROWTH: u64 = 2;
 const GROWING: [(&str, &str); 2] = [("environment_980", "environment_20"), ("flight_500", "flight_20")];
@@ -58,19 +55,16 @@ pub fn main(args: &Args) -> Result<()> {
     setup::install(NEEDS)?;
     let counts = measure()?;
     if args.json {
-        println!("{}", json(&counts));
+        println!("{}", figures::json(&counts));
     } else {
         println!("{}", table(&counts));
     }
     let path = workspace::root().join("docs/counts.json");
     if args.bless {
-        fs::write(&path, json(&counts) + "\n").map_err(Error::file(&path))?;
+        figures::write(&path, &counts)?;
         document::replace_table("docs/performance.md", "counts", &table(&counts))?;
     }
-    let text = fs::read_to_string(&path).map_err(Error::file(&path))?;
-    let committed: Vec<Count> = serde_json::from_str(&text)
-        .map_err(|error| Error::Setup(format!("{}: {error}; write it with --bless", path.display())))?;
-    let complaints = complaints(&counts, &committed);
+    let complaints = complaints(&counts, &figures::read(&path)?);
     if complaints.is_empty() {
         eprintln!("counts: every count is within its limits");
         return Ok(());
@@ -124,7 +118,7 @@ fn complaints(counts: &[Count], committed: &[Count]) -> Vec<String> {
                 "{}: {} agent-steps, committed {}: the work is not the same",
                 now.part, now.agent_steps, then.agent_steps
             )),
-            Some(then) if 100 * now.instructions.abs_diff(then.instructions) > TOLERANCE * then.instructions => {
+            Some(then) if !is_close(now.instructions, then.instructions) => {
                 found.push(format!(
                     "{}: {} instructions, committed {}",
                     now.part,
@@ -150,12 +144,6 @@ fn complaints(counts: &[Count], committed: &[Count]) -> Vec<String> {
         }
     }
     found
-}
-
-/// The counts as a JSON array.
-fn json(counts: &[Count]) -> String {
-    // Plain structs of numbers and text always serialise.
-    serde_json::to_string_pretty(counts).unwrap_or_default()
 }
 
 /// The counts as a Markdown table.

@@ -78,28 +78,12 @@ pub enum Error {
         /// What it printed.
         printed: String,
     },
-    /// An executable is not what it should be.
+    /// A file that can be read does not hold what it should.
     #[error("{}: {what}", path.display())]
-    Elf {
-        /// The executable.
-        path: PathBuf,
-        /// What is wrong.
-        what: String,
-    },
-    /// An actor file that cannot be used.
-    #[error("{}: {reason}", path.display())]
-    Actor {
+    Content {
         /// The file.
         path: PathBuf,
         /// What is wrong with it and what to do.
-        reason: String,
-    },
-    /// A source file that cannot be parsed.
-    #[error("{}: {what}", path.display())]
-    Source {
-        /// The file.
-        path: PathBuf,
-        /// Where, and what is wrong.
         what: String,
     },
     /// Circles of modules, and dependencies of crates that are not as drawn, one a line.
@@ -123,19 +107,9 @@ pub enum Error {
 }
 
 impl Error {
-    /// What is wrong with an actor file.
-    pub fn actor(path: &Path, reason: String) -> Self {
-        Self::Actor { path: path.into(), reason }
-    }
-
-    /// What is wrong with a source file.
-    pub fn source(path: &Path, what: String) -> Self {
-        Self::Source { path: path.into(), what }
-    }
-
-    /// Something about an executable.
-    pub fn elf(path: &Path, what: String) -> Self {
-        Self::Elf { path: path.into(), what }
+    /// Says what is wrong with the content of a file.
+    pub fn content(path: &Path, what: String) -> Self {
+        Self::Content { path: path.into(), what }
     }
 
     /// Wraps an I/O error with the file it is about.

@@ -4,6 +4,7 @@ mod command;
 mod counts;
 mod document;
 mod error;
+mod figures;
 mod flash;
 mod modules;
 mod setup;

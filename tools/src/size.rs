@@ -6,11 +6,11 @@ use std::path::PathBuf;
 use firmware_core::actor::{Actor, Aggregation};
 
 use crate::error::{Error, Result};
+use crate::figures::grouped;
 use crate::setup;
 use crate::targets::artefacts::{Board, Image};
 use crate::targets::qemu::Machine;
-use crate::targets::row::grouped;
-use crate::targets::{NEEDS, call_depth, elf, flight, gate, progress};
+use crate::targets::{NEEDS, call_depth, elf, flight, limits, progress};
 
 /// Options of `cargo xtask size`.
 #[derive(clap::Args)]
@@ -32,7 +32,7 @@ struct Line {
 /// The file is no sound actor, a build or a run failed, or a figure is beyond its limit.
 pub fn main(args: &Args) -> Result<()> {
     let bytes = fs::read(&args.file).map_err(Error::file(&args.file))?;
-    let actor = Actor::load(&bytes).map_err(|reason| Error::actor(&args.file, reason.to_string()))?;
+    let actor = Actor::load(&bytes).map_err(|reason| Error::content(&args.file, reason.to_string()))?;
     setup::install(NEEDS)?;
     progress("building the images");
     let (emulated, real) = (Image::build(Board::Mps2)?, Image::build(Board::Stm32h743)?);
@@ -40,18 +40,18 @@ pub fn main(args: &Args) -> Result<()> {
     elf::assert_panic_free(&real.flight)?;
 
     let step_limit = match actor.aggregation() {
-        Aggregation::None | Aggregation::Gcn => gate::STEP_GCN_LIMIT,
-        Aggregation::Gat => gate::STEP_GAT_LIMIT,
+        Aggregation::None | Aggregation::Gcn => limits::STEP_GCN_LIMIT,
+        Aggregation::Gat => limits::STEP_GAT_LIMIT,
     };
     let line = |name, limit| Line { name, figures: Vec::new(), limit };
     let mut lines = [
-        line("flash: code", Some(gate::CODE_LIMIT)),
+        line("flash: code", Some(limits::CODE_LIMIT)),
         line("flash: constants", None),
         line("flash: actor file", None),
         line("flash: all", None),
-        line("static RAM", Some(gate::STATIC_RAM_LIMIT)),
-        line("stack, measured", Some(gate::STACK_LIMIT)),
-        line("stack, computed", Some(gate::STACK_LIMIT)),
+        line("static RAM", Some(limits::STATIC_RAM_LIMIT)),
+        line("stack, measured", Some(limits::STACK_LIMIT)),
+        line("stack, computed", Some(limits::STACK_LIMIT)),
         line("instructions: encode", None),
         line("instructions: one neighbour", None),
         line("instructions: decide", None),

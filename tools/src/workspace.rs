@@ -15,6 +15,11 @@ pub fn target_folder() -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |folder| root.join(folder))
 }
 
+/// The folder for what the target builds produce, apart from cargo's own.
+pub fn work_folder() -> PathBuf {
+    target_folder().join("targets")
+}
+
 /// The user's cache folder for things that are built or downloaded once a machine.
 pub fn cache() -> PathBuf {
     let base = env::var_os("XDG_CACHE_HOME").map(PathBuf::from).filter(|path| path.is_absolute());

@@ -1,7 +1,8 @@
 //! QEMU's boards: the same program and file, for real, without hardware.
 
+use super::actor_file::ActorFile;
+use super::progress::say;
 use super::serial::verify;
-use super::{ActorFile, say};
 use crate::error::Result;
 use crate::setup;
 use crate::targets::artefacts::{Board, Image};

@@ -1,6 +1,8 @@
 //! Companion computers, by ssh: the node, the actor file and a service that starts them.
 
-use super::{ActorFile, FlashError, say};
+use super::actor_file::ActorFile;
+use super::error::FlashError;
+use super::progress::say;
 use crate::command::Cmd;
 use crate::error::{Error, Result};
 use crate::setup;

@@ -1,21 +1,24 @@
 //! `cargo xtask flash`: puts the program and an actor file on a board, or the node and the file on a computer.
 
+mod actor_file;
 mod emulator;
 mod error;
 mod host;
 mod probe;
+mod progress;
 mod serial;
 #[cfg(test)]
 mod test_support;
 
-use std::fs;
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use firmware_core::actor::{self, Actor, SIGNATURE_CASES};
+use firmware_core::actor::SIGNATURE_CASES;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
+use actor_file::ActorFile;
 pub use error::FlashError;
+use progress::say;
 
 /// Options of `cargo xtask flash`.
 #[derive(clap::Args)]
@@ -52,29 +55,6 @@ enum Board {
     QemuM4f,
 }
 
-/// A sound actor file.
-struct ActorFile {
-    path: PathBuf,
-    content_hash: u64,
-    bytes: Vec<u8>,
-}
-
-impl ActorFile {
-    fn read(path: &PathBuf) -> Result<Self> {
-        let bytes = fs::read(path).map_err(Error::file(path))?;
-        let actor = Actor::load(&bytes).map_err(|reason| FlashError::wrong_file(path, &reason))?;
-        actor.self_test().map_err(|reason| FlashError::wrong_file(path, &reason))?;
-        let content_hash = actor.content_hash();
-        Ok(Self { path: path.clone(), content_hash, bytes })
-    }
-
-    /// The signature over this many neighbourhoods, computed here.
-    fn signature(&self, cases: u32) -> Result<u64> {
-        let actor = Actor::load(&self.bytes).map_err(|reason| FlashError::wrong_file(&self.path, &reason))?;
-        Ok(actor::signature(&actor, cases))
-    }
-}
-
 /// Flashes, and checks what it can.
 ///
 /// # Errors
@@ -96,9 +76,4 @@ pub fn main(args: &Args) -> Result<()> {
         // The argument group asks for one of them.
         (None, None) => Ok(()),
     }
-}
-
-/// One line of progress.
-fn say(text: &str) {
-    println!("flash: {text}");
 }

@@ -1,6 +1,8 @@
 //! Boards with a debug probe, by probe-rs.
 
-use super::{ActorFile, FlashError, say};
+use super::actor_file::ActorFile;
+use super::error::FlashError;
+use super::progress::say;
 use crate::command::Cmd;
 use crate::error::{Error, Result};
 use crate::setup::{self, Item};

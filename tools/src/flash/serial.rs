@@ -7,7 +7,9 @@ use std::time::Duration;
 
 use covey_link::{Client, Options};
 
-use super::{ActorFile, FlashError, say};
+use super::actor_file::ActorFile;
+use super::error::FlashError;
+use super::progress::say;
 use crate::command::Cmd;
 use crate::error::{Error, Result};
 

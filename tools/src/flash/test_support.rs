@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::{env, fs, process};
 
-use super::ActorFile;
+use super::actor_file::ActorFile;
 use crate::workspace;
 
 /// A shell script that stands in for a program; gone with this value.

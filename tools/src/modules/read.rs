@@ -45,7 +45,7 @@ impl Reader<'_> {
         let text = fs::read_to_string(file).map_err(Error::file(file))?;
         let parsed = syn::parse_file(&text).map_err(|error| {
             let start = error.span().start();
-            Error::source(file, format!("line {}: {error}", start.line))
+            Error::content(file, format!("line {}: {error}", start.line))
         })?;
         let name = file.strip_prefix(self.package).unwrap_or(file).display().to_string();
         let folders =

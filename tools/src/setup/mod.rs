@@ -47,10 +47,14 @@ pub fn main(args: &Args) -> Result<()> {
 /// # Errors
 /// A package cannot be installed, or an item is still missing afterwards.
 pub fn install(items: &[Item]) -> Result<()> {
-    let missing: Vec<Item> = items.iter().copied().filter(|item| !item.is_present()).collect();
+    let mut missing: Vec<Item> = items.iter().copied().filter(|item| !item.is_present()).collect();
     if missing.is_empty() {
         eprintln!("setup: all {} items are there, nothing to do", items.len());
         return Ok(());
+    }
+    // The simulated autopilots' environment is made by Python's venv.
+    if missing.contains(&Item::Simlink) && !missing.contains(&Item::PythonVenv) && !Item::PythonVenv.is_present() {
+        missing.insert(0, Item::PythonVenv);
     }
     for item in &missing {
         eprintln!("setup: {} is missing ({})", item.name(), item.purpose());

@@ -4,8 +4,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use super::Item;
-use super::apt::{self, twice};
+use super::apt::twice;
 use crate::command::Cmd;
 use crate::error::{Error, Result};
 use crate::workspace;
@@ -34,14 +33,11 @@ pub fn is_present() -> bool {
     same && Cmd::new(python()).args(["-c", "import pymavlink, fastcrc, simlink"]).folder("/").succeeds()
 }
 
-/// Makes the environment, or brings it up to date.
+/// Makes the environment, or brings it up to date. Python with venv and pip must be installed.
 ///
 /// # Errors
-/// Python's venv cannot be installed, or a download failed twice.
+/// The environment cannot be made, or a download failed twice.
 pub fn install() -> Result<()> {
-    if !Item::PythonVenv.is_present() {
-        apt::install(Item::PythonVenv.packages())?;
-    }
     // One whose Python has gone, after an upgrade of the system, is made anew.
     let clear: &[&str] =
         if Cmd::new(python()).args(["-m", "pip", "--version"]).succeeds() { &[] } else { &["--clear"] };

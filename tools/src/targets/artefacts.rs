@@ -3,11 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::work_folder;
 use crate::command::Cmd;
 use crate::error::{Error, Result};
 use crate::setup::rust_targets::{AARCH64, CORTEX_M, Toolchain};
-use crate::workspace;
+use crate::workspace::{self, work_folder};
 
 /// Actors of the default widths with made-up weights, one for each aggregation.
 pub struct Actors {

@@ -29,8 +29,8 @@ struct Function {
 /// The file cannot be read, is no such program, or calls itself in a circle.
 pub fn of(path: &Path) -> Result<u64> {
     with_elf(path, |elf| {
-        let text = elf.section_by_name(".text").ok_or_else(|| Error::elf(path, "it has no .text".into()))?;
-        let bytes = text.data().map_err(|error| Error::elf(path, error.to_string()))?;
+        let text = elf.section_by_name(".text").ok_or_else(|| Error::content(path, "it has no .text".into()))?;
+        let bytes = text.data().map_err(|error| Error::content(path, error.to_string()))?;
         let mut functions = BTreeMap::new();
         let (mut entry, mut handlers) = (None, BTreeSet::new());
         for symbol in elf.symbols().filter(|symbol| symbol.kind() == SymbolKind::Text && symbol.size() > 0) {
@@ -47,13 +47,13 @@ pub fn of(path: &Path) -> Result<u64> {
                 handlers.insert(address);
             }
         }
-        let entry = entry.ok_or_else(|| Error::elf(path, format!("it has no {ENTRY}")))?;
+        let entry = entry.ok_or_else(|| Error::content(path, format!("it has no {ENTRY}")))?;
         let called: BTreeSet<u64> = functions.values().flat_map(|function| &function.calls).copied().collect();
         let by_register =
             functions.keys().filter(|at| !called.contains(at) && !handlers.contains(at)).copied().collect();
         Walk { functions: &functions, by_register, known: BTreeMap::new() }
             .depth(entry, &mut Vec::new())
-            .ok_or_else(|| Error::elf(path, "a function calls itself".into()))
+            .ok_or_else(|| Error::content(path, "a function calls itself".into()))
     })
 }
 

@@ -53,7 +53,7 @@ impl Sizes {
 pub fn address_of(path: &Path, symbol: &str) -> Result<u64> {
     with_elf(path, |elf| {
         let found = elf.symbols().find(|entry| entry.name() == Ok(symbol));
-        found.map(|entry| entry.address()).ok_or_else(|| Error::elf(path, format!("it has no symbol {symbol}")))
+        found.map(|entry| entry.address()).ok_or_else(|| Error::content(path, format!("it has no symbol {symbol}")))
     })
 }
 
@@ -67,7 +67,11 @@ pub fn assert_panic_free(path: &Path) -> Result<()> {
     with_elf(path, |elf| {
         let names = elf.symbols().filter_map(|symbol| symbol.name().ok());
         let found: Vec<&str> = names.filter(|name| UNWANTED.iter().any(|unwanted| name.contains(unwanted))).collect();
-        if found.is_empty() { Ok(()) } else { Err(Error::elf(path, format!("panics or a heap: {}", found.join(", ")))) }
+        if found.is_empty() {
+            Ok(())
+        } else {
+            Err(Error::content(path, format!("panics or a heap: {}", found.join(", "))))
+        }
     })
 }
 
@@ -77,6 +81,6 @@ pub fn assert_panic_free(path: &Path) -> Result<()> {
 /// The file cannot be read, and those of `look`.
 pub fn with_elf<T>(path: &Path, look: impl FnOnce(&object::File<'_>) -> Result<T>) -> Result<T> {
     let bytes = fs::read(path).map_err(Error::file(path))?;
-    let elf = object::File::parse(&*bytes).map_err(|error| Error::elf(path, error.to_string()))?;
+    let elf = object::File::parse(&*bytes).map_err(|error| Error::content(path, error.to_string()))?;
     look(&elf)
 }

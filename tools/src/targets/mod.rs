@@ -4,15 +4,15 @@ pub mod artefacts;
 pub mod call_depth;
 pub mod elf;
 pub mod flight;
-pub mod gate;
+pub mod limits;
 pub mod qemu;
 pub mod row;
 
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
+use crate::figures;
 use crate::setup::{self, Item};
-use crate::workspace;
 use artefacts::{Actors, Image, Node};
 use qemu::Machine;
 use row::{Instructions, Row};
@@ -44,14 +44,14 @@ pub fn main(args: &Args) -> Result<()> {
     setup::install(NEEDS)?;
     let rows = measure()?;
     if args.json {
-        println!("{}", row::json(&rows));
+        println!("{}", figures::json(&rows));
     } else {
         println!("{}", row::table(&rows));
     }
     if args.bless {
-        gate::bless(&rows)?;
+        limits::bless(&rows)?;
     }
-    let complaints = gate::check(&rows)?;
+    let complaints = limits::check(&rows)?;
     if complaints.is_empty() {
         progress("every figure is within its limits");
         return Ok(());
@@ -104,10 +104,10 @@ fn check_program(program: &Path) -> Result<()> {
     elf::assert_panic_free(program)?;
     let depth = call_depth::of(program)?;
     progress(&format!("stack, computed: {depth} bytes"));
-    if depth <= gate::STACK_LIMIT {
+    if depth <= limits::STACK_LIMIT {
         return Ok(());
     }
-    Err(Error::elf(program, format!("its stack may take {depth} bytes, at most {}", gate::STACK_LIMIT)))
+    Err(Error::content(program, format!("its stack may take {depth} bytes, at most {}", limits::STACK_LIMIT)))
 }
 
 fn row_of(target: &str, profile: &str, signature: u64, sizes: elf::Sizes) -> Row {
@@ -121,11 +121,6 @@ fn row_of(target: &str, profile: &str, signature: u64, sizes: elf::Sizes) -> Row
         stack_bytes: None,
         instructions: Instructions::default(),
     }
-}
-
-/// Where everything that is built or made here goes.
-pub fn work_folder() -> PathBuf {
-    workspace::target_folder().join("targets")
 }
 
 /// Says what is going on, beside the result.

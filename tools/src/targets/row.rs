@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::qemu::Results;
 use crate::error::Result;
+use crate::figures::grouped;
 
 /// One line of the table.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -76,12 +77,6 @@ impl Instructions {
     }
 }
 
-/// The rows as a JSON array.
-pub fn json(rows: &[Row]) -> String {
-    // Plain structs of numbers and text always serialise.
-    serde_json::to_string_pretty(rows).unwrap_or_default()
-}
-
 /// The rows as a Markdown table, a column a row.
 pub fn table(rows: &[Row]) -> String {
     let mut lines: Vec<(&str, Vec<String>)> = vec![
@@ -104,29 +99,4 @@ pub fn table(rows: &[Row]) -> String {
 
 fn optional(value: Option<u64>) -> String {
     value.map_or_else(|| "–".into(), grouped)
-}
-
-/// 1234567 as 1,234,567.
-pub fn grouped(value: u64) -> String {
-    let digits = value.to_string();
-    let mut text = String::new();
-    for (k, digit) in digits.chars().enumerate() {
-        if k > 0 && (digits.len() - k).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn thousands_are_grouped() {
-        for (value, text) in [(0, "0"), (999, "999"), (1000, "1,000"), (1_234_567, "1,234,567")] {
-            assert_eq!(grouped(value), text);
-        }
-    }
 }

@@ -6,10 +6,10 @@ use std::path::Path;
 
 use covey_link::qemu::Qemu;
 
-use super::super::qemu::Machine;
 use super::qmp::Qmp;
-use super::{deepest, stack_of};
 use crate::error::{Error, Result};
+use crate::targets::elf;
+use crate::targets::qemu::Machine;
 
 /// What the program's start-up code fills its stack with (cortex-m-rt).
 const PAINT: u32 = 0xcccc_cccc;
@@ -36,7 +36,7 @@ impl Session {
         let mut monitor = Qmp::connect(&self.monitor())?;
         monitor.save_memory(end, start - end, &dump)?;
         let ram = fs::read(&dump).map_err(Error::file(&dump))?;
-        Ok(deepest(&ram, PAINT))
+        Ok(deepest(&ram))
     }
 }
 
@@ -45,5 +45,33 @@ impl Deref for Session {
 
     fn deref(&self) -> &Qemu {
         &self.0
+    }
+}
+
+/// Bytes of paint that are gone, seen from the stack's far end: `ram` begins there.
+fn deepest(ram: &[u8]) -> u64 {
+    let clean = ram.as_chunks::<4>().0.iter().take_while(|word| u32::from_le_bytes(**word) == PAINT).count();
+    (ram.len() - 4 * clean) as u64
+}
+
+/// The stack's ends in an image: the far one and the one where it begins.
+fn stack_of(image: &Path) -> Result<(u64, u64)> {
+    Ok((elf::address_of(image, "_stack_end")?, elf::address_of(image, "_stack_start")?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_deepest_stack_ends_at_the_last_paint() {
+        let mut ram = vec![0xcc; 64];
+        assert_eq!(deepest(&ram), 0);
+        ram[60..].fill(1);
+        assert_eq!(deepest(&ram), 4);
+        // What looks like paint in the middle was used all the same.
+        ram[20] = 0;
+        assert_eq!(deepest(&ram), 44);
+        assert_eq!(deepest(&[0; 8]), 8);
     }
 }

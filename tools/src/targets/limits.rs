@@ -1,12 +1,11 @@
 //! What the figures must be: limits that hold for ever, and the committed figures.
 
-use std::fs;
 use std::path::PathBuf;
 
 use super::row::{self, Row};
-use crate::document;
-use crate::error::{Error, Result};
-use crate::workspace;
+use crate::error::Result;
+use crate::figures::{self, is_close};
+use crate::{document, workspace};
 
 /// Instructions of the layers that other kernels are compared by.
 pub const DENSE_LIMIT: u64 = 15_000;
@@ -20,8 +19,6 @@ pub const CODE_LIMIT: u64 = 32 * 1024;
 pub const STATIC_RAM_LIMIT: u64 = 8 * 1024;
 /// Stack of the flight program, bytes.
 pub const STACK_LIMIT: u64 = 2 * 1024;
-/// How far an instruction count may be from the committed one, in hundredths.
-const TOLERANCE: u64 = 3;
 
 fn figures_file() -> PathBuf {
     workspace::root().join("docs/targets.json")
@@ -32,10 +29,7 @@ fn figures_file() -> PathBuf {
 /// # Errors
 /// The committed figures cannot be read.
 pub fn check(rows: &[Row]) -> Result<Vec<String>> {
-    let path = figures_file();
-    let text = fs::read_to_string(&path).map_err(Error::file(&path))?;
-    let committed: Vec<Row> = serde_json::from_str(&text)
-        .map_err(|error| Error::Setup(format!("{}: {error}; write it with --bless", path.display())))?;
+    let committed: Vec<Row> = figures::read(&figures_file())?;
     let mut complaints = Vec::new();
     if let Some(other) = rows.iter().find(|row| row.signature != rows[0].signature) {
         complaints.push(format!("{} {}: another signature than {}", other.target, other.profile, rows[0].target));
@@ -80,7 +74,7 @@ fn changes(row: &Row, committed: &Row) -> Vec<String> {
     }
     for ((figure, now), (_, then)) in row.instructions.named().into_iter().zip(committed.instructions.named()) {
         let close = match (now, then) {
-            (Some(now), Some(then)) => 100 * now.abs_diff(then) <= TOLERANCE * then,
+            (Some(now), Some(then)) => is_close(now, then),
             (now, then) => now == then,
         };
         if !close {
@@ -96,8 +90,7 @@ fn changes(row: &Row, committed: &Row) -> Vec<String> {
 /// # Errors
 /// A file cannot be read or written, or the document has no place for the table.
 pub fn bless(rows: &[Row]) -> Result<()> {
-    let path = figures_file();
-    fs::write(&path, row::json(rows) + "\n").map_err(Error::file(&path))?;
+    figures::write(&figures_file(), rows)?;
     document::replace_table("docs/targets.md", "targets", &row::table(rows))
 }
 

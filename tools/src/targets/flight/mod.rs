@@ -15,7 +15,6 @@ use firmware_core::message::{Beacon, Feature, Header, MAX_LEN, Message};
 use firmware_core::neighbour_table::Moment;
 
 use super::artefacts::{Actors, Image};
-use super::elf;
 use super::qemu::Machine;
 use crate::error::{Error, Result};
 use session::Session;
@@ -147,34 +146,5 @@ impl Random {
         let mut axis = || (self.next() % (2 * range as u32 + 1)) as i32 - range;
         let (x, y) = (axis(), axis());
         Vec2::from_ticks(x, y)
-    }
-}
-
-/// Bytes of paint that are gone, seen from the stack's far end: `ram` begins there.
-fn deepest(ram: &[u8], paint: u32) -> u64 {
-    let clean = ram.as_chunks::<4>().0.iter().take_while(|word| u32::from_le_bytes(**word) == paint).count();
-    (ram.len() - 4 * clean) as u64
-}
-
-/// The stack's ends in an image: the far one and the one where it begins.
-fn stack_of(image: &Path) -> Result<(u64, u64)> {
-    Ok((elf::address_of(image, "_stack_end")?, elf::address_of(image, "_stack_start")?))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::deepest;
-
-    #[test]
-    fn the_deepest_stack_ends_at_the_last_paint() {
-        const PAINT: u32 = 0xcccc_cccc;
-        let mut ram = vec![0xcc; 64];
-        assert_eq!(deepest(&ram, PAINT), 0);
-        ram[60..].fill(1);
-        assert_eq!(deepest(&ram, PAINT), 4);
-        // What looks like paint in the middle was used all the same.
-        ram[20] = 0;
-        assert_eq!(deepest(&ram, PAINT), 44);
-        assert_eq!(deepest(&[0; 8], PAINT), 8);
     }
 }
