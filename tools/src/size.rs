@@ -1,4 +1,5 @@
-//! `cargo xtask size FILE`: what an actor file takes on a flight controller, and whether it fits.
+//! `cargo xtask size FILE`: flash, RAM, stack and instructions of an actor file on a flight controller, and whether
+//! they are within the limits.
 
 use std::fs;
 use std::path::PathBuf;
@@ -19,17 +20,19 @@ pub struct Args {
     file: PathBuf,
 }
 
-/// A figure of each build, and its limit.
+/// One line of the printed table.
 struct Line {
     name: &'static str,
+    /// The figure of each build; `None` where it cannot be measured.
     figures: Vec<Option<u64>>,
+    /// The largest figure that is allowed.
     limit: Option<u64>,
 }
 
-/// Prints a table, a column a build.
+/// Measures the actor file and prints a table with a column for each build.
 ///
 /// # Errors
-/// The file is no sound actor, a build or a run failed, or a figure is beyond its limit.
+/// The file is not a valid actor file, a build or a run failed, or a figure is beyond its limit.
 pub fn main(args: &Args) -> Result<()> {
     let bytes = fs::read(&args.file).map_err(Error::file(&args.file))?;
     let actor = Actor::load(&bytes).map_err(|reason| Error::content(&args.file, reason.to_string()))?;
@@ -91,11 +94,13 @@ pub fn main(args: &Args) -> Result<()> {
 }
 
 impl Line {
+    /// Whether all figures are within the limit.
     fn fits(&self) -> bool {
         self.limit.is_none_or(|limit| self.figures.iter().flatten().all(|&figure| figure <= limit))
     }
 }
 
+/// Prints the table, with the names of the builds at its head.
 fn print(builds: &[&str], lines: &[Line]) {
     print!("{:<34}", "bytes, or instructions");
     for build in builds {

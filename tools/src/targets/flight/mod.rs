@@ -42,7 +42,7 @@ pub fn fly(machine: Machine, image: &Image, actors: &[&Path]) -> Result<u64> {
         let session = Session::start(machine, &image.flight, Some(&file))?;
         let there = mission(&mut session.client(PATIENCE)?, |noise| Ok(session.write(noise)?))?;
         if let Some(step) = (0..STEPS as usize).find(|&step| here.decisions[step] != there.decisions[step]) {
-            return Err(Error::Setup(format!(
+            return Err(Error::Board(format!(
                 "{}: step {step} with {}: the board decides {:?}, this computer {:?}",
                 machine.target(),
                 actor.display(),
@@ -51,7 +51,7 @@ pub fn fly(machine: Machine, image: &Image, actors: &[&Path]) -> Result<u64> {
             )));
         }
         if here.signature != there.signature {
-            return Err(Error::Setup(format!("{}: the board's signature differs", machine.target())));
+            return Err(Error::Board(format!("{}: the board's signature differs", machine.target())));
         }
         deepest = deepest.max(session.stack_used(&image.flight)?);
     }
@@ -73,7 +73,7 @@ pub fn refuses_bad_files(machine: Machine, image: &Image, actors: &Actors) -> Re
         let refused = board.decide(0).is_err();
         let expected = matches!(&answer, Err(LinkError::Refused(refusal)) if refusal.to_string() == fault.to_string());
         if !expected || said != Some(Err(fault)) || !refused {
-            return Err(Error::Setup(format!(
+            return Err(Error::Board(format!(
                 "{}: expected the board to refuse ({fault}); it started with {said:?} and answered {answer:?}",
                 machine.target()
             )));
@@ -95,7 +95,7 @@ fn setup() -> Setup {
 /// Flies the mission; `disturb` puts noise on the line.
 fn mission<S: Read + Write>(board: &mut Client<S>, mut disturb: impl FnMut(&[u8]) -> Result<()>) -> Result<Log> {
     let mut random = Random(7);
-    let info = board.hello(setup())?.actor.map_err(|fault| Error::Setup(fault.to_string()))?;
+    let info = board.hello(setup())?.actor.map_err(|fault| Error::Board(fault.to_string()))?;
     let hash = (info.content_hash ^ (info.content_hash >> 32)) as u32;
     let mut decisions = Vec::new();
     for step in 0..STEPS {

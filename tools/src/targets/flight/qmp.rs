@@ -46,7 +46,7 @@ impl Qmp {
                 return Ok(());
             }
             if let Some(error) = answer.get("error") {
-                return Err(Error::Setup(format!("QEMU refuses {command}: {error}")));
+                return Err(Error::Board(format!("QEMU refuses {command}: {error}")));
             }
             // Anything else is an event.
         }
@@ -55,6 +55,6 @@ impl Qmp {
     fn read(&mut self) -> Result<Value> {
         let mut line = String::new();
         self.stream.read_line(&mut line).map_err(Error::file(&self.path))?;
-        serde_json::from_str(&line).map_err(|error| Error::Setup(format!("QEMU's monitor said {line:?}: {error}")))
+        serde_json::from_str(&line).map_err(|error| Error::Board(format!("QEMU's monitor said {line:?}: {error}")))
     }
 }
