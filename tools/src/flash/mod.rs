@@ -44,7 +44,7 @@ pub struct Args {
     dry_run: bool,
 }
 
-/// A board that can be flashed.
+/// A board that can be flashed, real or emulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Board {
     /// ST's NUCLEO-H743ZI and -H743ZI2, by probe-rs over their USB connector.
@@ -55,10 +55,10 @@ enum Board {
     QemuM4f,
 }
 
-/// Flashes, and checks what it can.
+/// Checks the actor file, flashes it, and checks that the target runs it.
 ///
 /// # Errors
-/// See [`FlashError`]; or a build failed.
+/// The file is not a valid actor file, flashing failed (see [`FlashError`]), or a build failed.
 pub fn main(args: &Args) -> Result<()> {
     let actor = ActorFile::read(&args.actor)?;
     say(&format!("{}: sound, actor {:016x}", actor.path.display(), actor.content_hash));
@@ -73,7 +73,7 @@ pub fn main(args: &Args) -> Result<()> {
         (Some(Board::QemuM7), _) => emulator::flash(emulator::M7, &actor, args.dry_run),
         (Some(Board::QemuM4f), _) => emulator::flash(emulator::M4F, &actor, args.dry_run),
         (None, Some(host)) => host::Host::new(host, "ssh", "scp").install(&actor, SIGNATURE_CASES, args.dry_run),
-        // The argument group asks for one of them.
+        // The argument group requires one of the two.
         (None, None) => Ok(()),
     }
 }
