@@ -1,4 +1,5 @@
-//! The flight program in QEMU, flown over its serial line beside the same server on this computer.
+//! Test flights of the flight program in QEMU, over its serial line. The same requests go to a server on this computer, and
+//! the answers must be equal.
 
 mod qmp;
 pub mod session;
@@ -19,21 +20,22 @@ use super::qemu::Machine;
 use crate::error::{Error, Result};
 use session::Session;
 
-/// Steps to fly.
+/// Steps of a flight.
 const STEPS: u32 = 40;
-/// Bytes of noise that the line brings before some steps.
+/// Bytes of noise on the serial line before some of the steps.
 const NOISE: usize = 5000;
+/// Length of a step, ms.
 const STEP_MS: u16 = 2000;
-/// UAVs around the one on the board: more than its table holds.
+/// UAVs around the one on the board; more than its neighbour table holds.
 const SWARM: u16 = 20;
-/// What a request may take on a busy computer.
+/// Time limit and attempts of a request, enough for a busy computer.
 pub const PATIENCE: Options = Options { timeout: Duration::from_secs(30), attempts: 2 };
 
-/// Flies [`STEPS`] steps in a dense swarm with every kind of request and noise on the line, with each of the
-/// actors, and returns the deepest stack, bytes.
+/// Flies [`STEPS`] steps with each of the actor files, in a dense swarm, with every kind of request and with noise on the
+/// line. Returns the deepest stack of the flight program, bytes.
 ///
 /// # Errors
-/// The board answers otherwise than this computer, or not at all.
+/// The board answers something else than this computer, or does not answer.
 pub fn fly(machine: Machine, image: &Image, actors: &[&Path]) -> Result<u64> {
     let mut deepest = 0;
     for actor in actors {
@@ -58,10 +60,11 @@ pub fn fly(machine: Machine, image: &Image, actors: &[&Path]) -> Result<u64> {
     Ok(deepest)
 }
 
-/// Starts the flight program with a damaged actor file and with none: it must say so, and refuse to fly.
+/// Starts the flight program with a damaged actor file and without one, and checks that it reports this and refuses to
+/// decide.
 ///
 /// # Errors
-/// It does not.
+/// It does not report the fault, or decides all the same.
 pub fn refuses_bad_files(machine: Machine, image: &Image, actors: &Actors) -> Result<()> {
     let mut bytes = fs::read(&actors.gcn).map_err(Error::file(&actors.gcn))?;
     bytes[1000] ^= 1;
@@ -82,17 +85,20 @@ pub fn refuses_bad_files(machine: Machine, image: &Image, actors: &Actors) -> Re
     Ok(())
 }
 
-/// What came of a mission.
+/// The answers during a mission.
 struct Log {
+    /// The decision of each step.
     decisions: Vec<Decided>,
+    /// The actor's signature.
     signature: u64,
 }
 
+/// The set-up of the UAV on the board.
 fn setup() -> Setup {
     Setup { id: 3, seed: 10, argmax: false, step_ms: STEP_MS, half_side: 100 * TICKS_PER_U }
 }
 
-/// Flies the mission; `disturb` puts noise on the line.
+/// Flies the mission with the server at the other end of the link; `disturb` puts noise on the line.
 fn mission<S: Read + Write>(board: &mut Client<S>, mut disturb: impl FnMut(&[u8]) -> Result<()>) -> Result<Log> {
     let mut random = Random(7);
     let info = board.hello(setup())?.actor.map_err(|fault| Error::Board(fault.to_string()))?;
@@ -101,7 +107,7 @@ fn mission<S: Read + Write>(board: &mut Client<S>, mut disturb: impl FnMut(&[u8]
     for step in 0..STEPS {
         if step % 8 == 3 {
             let noise: Vec<u8> = (0..NOISE).map(|_| random.next() as u8).collect();
-            // The zero ends what the noise began, so that only noise is lost.
+            // The zero byte ends the frame that the noise may have begun, so no request is lost with it.
             disturb(&[&noise[..], &[0]].concat())?;
         }
         let now = Moment { step, time_ms: step * u32::from(STEP_MS) };
@@ -129,10 +135,11 @@ fn mission<S: Read + Write>(board: &mut Client<S>, mut disturb: impl FnMut(&[u8]
     Ok(Log { decisions, signature })
 }
 
-/// splitmix64.
+/// The random number generator splitmix64.
 struct Random(u64);
 
 impl Random {
+    /// The next 32 random bits.
     fn next(&mut self) -> u32 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -140,7 +147,7 @@ impl Random {
         ((z ^ (z >> 31)) >> 32) as u32
     }
 
-    /// Both coordinates within this many map units of zero.
+    /// A random position or velocity whose coordinates are at most `range_u` map units from zero.
     fn around(&mut self, range_u: i32) -> Vec2 {
         let range = range_u * TICKS_PER_U;
         let mut axis = || (self.next() % (2 * range as u32 + 1)) as i32 - range;

@@ -1,4 +1,4 @@
-//! One run of the flight program in QEMU, and how deep its stack went.
+//! A running flight program in QEMU, and the depth of its stack.
 
 use std::fs;
 use std::ops::Deref;
@@ -11,14 +11,14 @@ use crate::error::{Error, Result};
 use crate::targets::elf;
 use crate::targets::qemu::Machine;
 
-/// What the program's start-up code fills its stack with (cortex-m-rt).
+/// The word with which the program's start-up code (cortex-m-rt) fills the stack.
 const PAINT: u32 = 0xcccc_cccc;
 
-/// A running QEMU; it ends with this value.
+/// A QEMU that runs the flight program. Dropping it ends QEMU.
 pub struct Session(Qemu);
 
 impl Session {
-    /// Starts the program with this actor file in its flash.
+    /// Starts the flight program with this actor file in the board's flash; with erased flash where there is none.
     ///
     /// # Errors
     /// QEMU does not start.
@@ -26,7 +26,7 @@ impl Session {
         Ok(Self(Qemu::start(machine.board(), program, actor)?))
     }
 
-    /// The deepest stack so far, bytes; stops the program.
+    /// The deepest stack so far, bytes. It stops the program.
     ///
     /// # Errors
     /// QEMU's monitor does not answer.
@@ -48,13 +48,14 @@ impl Deref for Session {
     }
 }
 
-/// Bytes of paint that are gone, seen from the stack's far end: `ram` begins there.
+/// The bytes of the stack that have been used: all from the first word that has changed. `ram` is the memory of the stack,
+/// which grows towards its beginning.
 fn deepest(ram: &[u8]) -> u64 {
     let clean = ram.as_chunks::<4>().0.iter().take_while(|word| u32::from_le_bytes(**word) == PAINT).count();
     (ram.len() - 4 * clean) as u64
 }
 
-/// The stack's ends in an image: the far one and the one where it begins.
+/// The lowest and the highest address of the stack of a program.
 fn stack_of(image: &Path) -> Result<(u64, u64)> {
     Ok((elf::address_of(image, "_stack_end")?, elf::address_of(image, "_stack_start")?))
 }
