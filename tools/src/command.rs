@@ -116,7 +116,8 @@ impl Cmd {
         self.build().output().is_ok_and(|output| output.status.success())
     }
 
-    /// Runs the command with its output on this terminal, and also calls `look` with each line of its standard output.
+    /// Runs the command with its output on this terminal, and also calls `look` with each line of its standard
+    /// output.
     ///
     /// # Errors
     /// The program cannot be started, or fails.

@@ -3,8 +3,8 @@
 use std::env;
 use std::path::PathBuf;
 
-/// The root folder of the workspace. `cargo run` says where this package lies; where it does not, the path at build time
-/// is taken.
+/// The root folder of the workspace. `cargo run` says where this package lies; where it does not, the path at build
+/// time is taken.
 pub fn root() -> PathBuf {
     let package = env::var_os("CARGO_MANIFEST_DIR").map_or_else(|| env!("CARGO_MANIFEST_DIR").into(), PathBuf::from);
     package.parent().map_or_else(|| package.clone(), PathBuf::from)
@@ -17,7 +17,7 @@ pub fn target_folder() -> PathBuf {
 }
 
 /// The folder for the images, the C library and the sample actors of the target builds.
-pub fn work_folder() -> PathBuf {
+pub fn targets_folder() -> PathBuf {
     target_folder().join("targets")
 }
 

@@ -11,8 +11,8 @@ use crate::targets::{NEEDS, qemu::Machine};
 
 pub use crate::targets::qemu::Machine::{CortexM4f as M4F, CortexM7 as M7};
 
-/// Starts the flight program in QEMU with the actor file in its flash, and checks over the actor link that it runs this
-/// actor and computes what this computer computes. With `dry_run` it only prints the command.
+/// Starts the flight program in QEMU with the actor file in its flash, and checks over the actor link that it runs
+/// this actor and computes what this computer computes. With `dry_run` it only prints the command.
 ///
 /// # Errors
 /// A build failed, QEMU does not start, or the emulated board computes something else.

@@ -28,16 +28,17 @@ impl Host {
         Self { name: name.into(), ssh: ssh.into(), scp: scp.into() }
     }
 
-    /// Installs the node, the actor file and the service, after it has checked that the computer gets the same signature
-    /// over `cases` neighbourhoods as this one. With `dry_run` it only prints the commands.
+    /// Installs the node, the actor file and the service, after it has checked that the computer gets the same
+    /// signature over `cases` neighbourhoods as this one. With `dry_run` it only prints the commands.
     ///
     /// # Errors
-    /// The computer cannot be reached, no node is built for its processor, its signature differs, or the build failed.
+    /// The computer cannot be reached, no node is built for its processor, its signature differs, or the build
+    /// failed.
     pub fn install(&self, actor: &ActorFile, cases: u32, dry_run: bool) -> Result<()> {
         let unit = workspace::root().join(UNIT);
         let place = |file: &str| format!("{}:{FOLDER}/{file}.new", self.name);
-        // The files are copied beside the old ones and moved over them at the end, so the node is never half replaced,
-        // even while it runs.
+        // The files are copied beside the old ones and moved over them at the end, so the node is never half
+        // replaced, even while it runs.
         let uploads = |node: &str| {
             [
                 self.shell(&format!("mkdir -p {FOLDER} .config/systemd/user")),

@@ -22,8 +22,8 @@ const CHUNK: u16 = 100;
 /// Time limit and attempts of a request over a serial port.
 const OPTIONS: Options = Options { timeout: Duration::from_secs(5), attempts: 3 };
 
-/// Checks over a serial port that the board runs this actor and computes what this computer computes. With `dry_run` it
-/// only prints how the port would be set up.
+/// Checks over a serial port that the board runs this actor and computes what this computer computes. With `dry_run`
+/// it only prints how the port would be set up.
 ///
 /// # Errors
 /// The port cannot be opened, the board does not answer, runs another actor, or computes another signature.
@@ -39,8 +39,8 @@ pub fn check(actor: &ActorFile, port: &Path, dry_run: bool) -> Result<()> {
     verify(&mut Client::new(Port(file), OPTIONS), &port.display().to_string(), actor)
 }
 
-/// Checks that the board at the other end of the link runs this actor and computes what this computer computes. `place`
-/// is its name in messages.
+/// Checks that the board at the other end of the link runs this actor and computes what this computer computes.
+/// `place` is its name in messages.
 ///
 /// # Errors
 /// The board does not answer, runs another actor, or computes another signature.

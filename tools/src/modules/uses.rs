@@ -42,7 +42,8 @@ impl Uses<'_> {
         }
     }
 
-    /// All names of a module: a use of its file, where it defines any. The names that are used are found by themselves.
+    /// All names of a module: a use of its file, where it defines any. The names that are used are found by
+    /// themselves.
     fn glob(&mut self, path: &[String], line: usize) {
         for place in self.tree.resolve(self.module, path) {
             let Place::Module(module) = place else {

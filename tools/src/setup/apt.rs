@@ -72,8 +72,8 @@ pub fn twice<T>(mut action: impl FnMut() -> Result<T>) -> Result<T> {
     })
 }
 
-/// Runs `command`, and again while another package manager holds the lock: apt's own time-out does not cover the lock of
-/// the package lists.
+/// Runs `command`, and again while another package manager holds the lock: apt's own time-out does not cover the lock
+/// of the package lists.
 fn run_when_unlocked(command: &Cmd) -> Result<()> {
     let mut tries = 0;
     loop {

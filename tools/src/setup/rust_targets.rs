@@ -1,7 +1,7 @@
 //! Rust's standard libraries for the targets, from rustup, or from Debian where rustup cannot download.
 //!
-//! Debian has no core library for bare metal, only its source. It is built once, into a sysroot in the user's cache folder
-//! that also holds Debian's aarch64 library, and rustup knows this sysroot as the toolchain [`LINKED`].
+//! Debian has no core library for bare metal, only its source. It is built once, into a sysroot in the user's cache
+//! folder that also holds Debian's aarch64 library, and rustup knows this sysroot as the toolchain [`LINKED`].
 
 use std::fs;
 use std::os::unix::fs::{PermissionsExt as _, symlink};
@@ -120,7 +120,8 @@ fn rust_lld() -> Option<PathBuf> {
     linker.is_file().then_some(linker)
 }
 
-/// Builds the sysroot. It is built in a draft folder that is renamed at the end, so a sysroot is either complete or absent.
+/// Builds the sysroot. It is built in a draft folder that is renamed at the end, so a sysroot is either complete or
+/// absent.
 fn build_sysroot() -> Result<()> {
     let done = sysroot()?;
     if is_complete(&done) {
@@ -200,8 +201,8 @@ fn std_for_aarch64(draft: &Path, done: &Path, libraries: &Path) -> Result<()> {
     link(&done.join("arm64/usr/lib/rustlib").join(AARCH64), &libraries.join(AARCH64))
 }
 
-/// Puts the programs of the toolchain into the sysroot: a script that runs Debian's compiler with this sysroot, and a link
-/// to the cargo that runs `cargo xtask`.
+/// Puts the programs of the toolchain into the sysroot: a script that runs Debian's compiler with this sysroot, and a
+/// link to the cargo that runs `cargo xtask`.
 fn programs(draft: &Path, done: &Path) -> Result<()> {
     let bin = draft.join("bin");
     create(&bin)?;

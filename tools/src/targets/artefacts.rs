@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::command::Cmd;
 use crate::error::{Error, Result};
 use crate::setup::rust_targets::{AARCH64, CORTEX_M, Toolchain};
-use crate::workspace::{self, work_folder};
+use crate::workspace::{self, targets_folder};
 
 /// Actor files with the default layer widths and made-up weights, one for each aggregation.
 pub struct Actors {
@@ -24,7 +24,7 @@ impl Actors {
     /// # Errors
     /// The example program that makes them cannot be built or run.
     pub fn make() -> Result<Self> {
-        let folder = work_folder();
+        let folder = targets_folder();
         fs::create_dir_all(&folder).map_err(Error::file(&folder))?;
         let make = |kind: &str| -> Result<PathBuf> {
             let file = folder.join(kind).with_extension("actor");
@@ -35,8 +35,8 @@ impl Actors {
         Ok(Self { none: make("none")?, gcn: make("gcn")?, gat: make("gat")? })
     }
 
-    /// Computes the signature of each file with `sign` and combines the three into one number (64-bit FNV-1a hash over
-    /// their little-endian bytes).
+    /// Computes the signature of each file with `sign` and combines the three into one number (64-bit FNV-1a hash
+    /// over their little-endian bytes).
     ///
     /// # Errors
     /// The errors of `sign`.
@@ -175,7 +175,7 @@ impl Image {
     /// # Errors
     /// The build failed, for example because a program has a panic branch: then it does not link.
     pub fn build(board: Board) -> Result<Self> {
-        let target = work_folder().join(board.feature());
+        let target = targets_folder().join(board.feature());
         Toolchain::required()?
             .cortex_m_cargo()
             .args(["build", "--quiet", "--release", "--target", CORTEX_M])
@@ -189,8 +189,8 @@ impl Image {
     }
 }
 
-/// Builds the static library of the C interface for Cortex-M, in the form that flight software links. A test compiles a C
-/// program against it.
+/// Builds the static library of the C interface for Cortex-M, in the form that flight software links. A test compiles
+/// a C program against it.
 ///
 /// # Errors
 /// The build failed.
@@ -200,7 +200,7 @@ pub fn c_library() -> Result<()> {
         .args(["rustc", "--quiet", "--package", "covey-capi", "--profile", "firmware", "--crate-type", "staticlib"])
         .args(["--target", CORTEX_M])
         .arg("--target-dir")
-        .arg(work_folder().join("capi"))
+        .arg(targets_folder().join("capi"))
         .read()?;
     Ok(())
 }

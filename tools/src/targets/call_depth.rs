@@ -1,8 +1,8 @@
 //! The deepest possible stack of a Cortex-M program, computed from its machine code.
 //!
-//! A function's frame is the sum of all that its instructions subtract from the stack pointer. Its depth is its frame plus
-//! the depth of the deepest function that it calls or jumps to. A call through a register is taken to reach every function
-//! that is never called directly and is no interrupt handler. Recursion is an error.
+//! A function's frame is the sum of all that its instructions subtract from the stack pointer. Its depth is its frame
+//! plus the depth of the deepest function that it calls or jumps to. A call through a register is taken to reach
+//! every function that is never called directly and is no interrupt handler. Recursion is an error.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -71,7 +71,8 @@ struct Walk<'f> {
 }
 
 impl Walk<'_> {
-    /// The depth of the function at an address; `above` are the functions that lead to it. `None` where there is recursion.
+    /// The depth of the function at an address; `above` are the functions that lead to it. `None` where there is
+    /// recursion.
     fn depth(&mut self, at: u64, above: &mut Vec<u64>) -> Option<u64> {
         if let Some(&depth) = self.known.get(&at) {
             return Some(depth);

@@ -57,8 +57,8 @@ pub fn address_of(path: &Path, symbol: &str) -> Result<u64> {
     })
 }
 
-/// Checks by the names of its symbols that a program has no panic and no heap. A program with a panic branch of Rust does
-/// not even link; this check also finds other code that aborts.
+/// Checks by the names of its symbols that a program has no panic and no heap. A program with a panic branch of Rust
+/// does not even link; this check also finds other code that aborts.
 ///
 /// # Errors
 /// The program has such symbols; the error names them. Or the file cannot be read.

@@ -99,7 +99,8 @@ fn measure() -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-/// Checks what must hold for the flight program on every board: no panic, no heap, and a computed stack within the limit.
+/// Checks what must hold for the flight program on every board: no panic, no heap, and a computed stack within the
+/// limit.
 fn check_program(program: &Path) -> Result<()> {
     elf::assert_panic_free(program)?;
     let depth = call_depth::of(program)?;

@@ -85,7 +85,8 @@ impl Machine {
         self.measure(image, Some(actor), &["costs"], true)
     }
 
-    /// Runs the measuring program with these words on its command line. With `exact`, QEMU counts instructions as time.
+    /// Runs the measuring program with these words on its command line. With `exact`, QEMU counts instructions as
+    /// time.
     fn measure(self, image: &Image, actor: Option<&Path>, words: &[&str], exact: bool) -> Result<Results> {
         let mut semihosting = "enable=on,target=native,arg=measure".to_owned();
         for word in words {

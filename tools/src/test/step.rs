@@ -21,8 +21,8 @@ pub struct Step {
     env: Option<(&'static str, &'static str)>,
     /// Whether the command is the Python of the simulated autopilots instead of cargo.
     python: bool,
-    /// Whether the step runs clippy for Cortex-M. It is left out where the library for Cortex-M comes from Debian, whose
-    /// compiler has no clippy.
+    /// Whether the step runs clippy for Cortex-M. It is left out where the library for Cortex-M comes from Debian,
+    /// whose compiler has no clippy.
     lints_image: bool,
 }
 

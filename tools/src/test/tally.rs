@@ -23,8 +23,8 @@ impl Tally {
         }
     }
 
-    /// The text `N passed, N failed`. Where no test failed but steps did, as by a build error or a lint, each of these
-    /// steps counts as one failure.
+    /// The text `N passed, N failed`. Where no test failed but steps did, as by a build error or a lint, each of
+    /// these steps counts as one failure.
     pub fn closing_line(&self, failed_steps: usize) -> String {
         let failed = if self.failed == 0 { failed_steps as u64 } else { self.failed };
         format!("{} passed, {failed} failed", self.passed)

@@ -1,5 +1,5 @@
-//! Test flights of the flight program in QEMU, over its serial line. The same requests go to a server on this computer, and
-//! the answers must be equal.
+//! Test flights of the flight program in QEMU, over its serial line. The same requests go to a server on this
+//! computer, and the answers must be equal.
 
 mod qmp;
 pub mod session;
@@ -31,8 +31,8 @@ const SWARM: u16 = 20;
 /// Time limit and attempts of a request, enough for a busy computer.
 pub const PATIENCE: Options = Options { timeout: Duration::from_secs(30), attempts: 2 };
 
-/// Flies [`STEPS`] steps with each of the actor files, in a dense swarm, with every kind of request and with noise on the
-/// line. Returns the deepest stack of the flight program, bytes.
+/// Flies [`STEPS`] steps with each of the actor files, in a dense swarm, with every kind of request and with noise on
+/// the line. Returns the deepest stack of the flight program, bytes.
 ///
 /// # Errors
 /// The board answers something else than this computer, or does not answer.
@@ -60,8 +60,8 @@ pub fn fly(machine: Machine, image: &Image, actors: &[&Path]) -> Result<u64> {
     Ok(deepest)
 }
 
-/// Starts the flight program with a damaged actor file and without one, and checks that it reports this and refuses to
-/// decide.
+/// Starts the flight program with a damaged actor file and without one, and checks that it reports this and refuses
+/// to decide.
 ///
 /// # Errors
 /// It does not report the fault, or decides all the same.

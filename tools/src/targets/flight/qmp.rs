@@ -1,5 +1,5 @@
-//! The part of QEMU's machine protocol (QMP) that reads the memory of an emulated board. Its messages are JSON objects, one
-//! a line.
+//! The part of QEMU's machine protocol (QMP) that reads the memory of an emulated board. Its messages are JSON
+//! objects, one a line.
 
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::os::unix::net::UnixStream;

@@ -48,8 +48,8 @@ impl Deref for Session {
     }
 }
 
-/// The bytes of the stack that have been used: all from the first word that has changed. `ram` is the memory of the stack,
-/// which grows towards its beginning.
+/// The bytes of the stack that have been used: all from the first word that has changed. `ram` is the memory of the
+/// stack, which grows towards its beginning.
 fn deepest(ram: &[u8]) -> u64 {
     let clean = ram.as_chunks::<4>().0.iter().take_while(|word| u32::from_le_bytes(**word) == PAINT).count();
     (ram.len() - 4 * clean) as u64
