@@ -89,8 +89,8 @@ pub enum Error {
         /// What is wrong with it and what to do.
         what: String,
     },
-    /// Circles of modules, and dependencies of crates that are not as drawn, one a line.
-    #[error("the modules or crates are not what they should be:\n{0}")]
+    /// Circles of source files, and dependencies between crates that are not in the document, one a line.
+    #[error("dependencies that should not be:\n{0}")]
     Modules(String),
     /// Measured figures that are not what they should be, one a line.
     #[error("figures that are not what they should be:\n{0}")]

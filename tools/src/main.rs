@@ -31,7 +31,7 @@ enum Xtask {
     Size(size::Args),
     /// Put the program and an actor file on a board, or the node and the file on a computer.
     Flash(flash::Args),
-    /// Check that no modules need each other in a circle and that the crates' dependencies are as drawn.
+    /// Check that no source files depend on each other in a circle, and the dependencies between the crates.
     Modules(modules::Args),
     /// Run every check and test, after installing what they need.
     Test(test::Args),

@@ -1,21 +1,24 @@
-//! The crates' dependencies on each other, compared with those drawn in the document.
+//! Comparing the dependencies between the crates with those in the document on the architecture.
 
 use std::collections::BTreeMap;
 
 use super::packages::Package;
 
-/// The document with the block of arrows, a path from the workspace root.
+/// The document that lists the dependencies in a block of arrows, as a path from the workspace root.
 pub const DOCUMENT: &str = "docs/architecture.md";
 
+/// The line before the arrows.
 const BEGIN: &str = "```arrows\n";
+/// Stands for no dependencies.
 const NONE: &str = "(none)";
+/// Marks dependencies of tests alone.
 const TESTS: &str = "(tests)";
 
-/// What each package depends on in this repository, and whether its tests alone do.
+/// For each package the packages of this repository that it depends on, with `true` where only its tests do.
 type Arrows = BTreeMap<String, BTreeMap<String, bool>>;
 
-/// Every difference between the arrows of `document` and the packages' dependencies, each in a line that says what to
-/// do.
+/// Compares the arrows in the text of the document with the packages' dependencies. Returns a line for each difference,
+/// which says what to do.
 pub fn differences(document: &str, packages: &[Package]) -> Vec<String> {
     let drawn = match read(document) {
         Ok(drawn) => drawn,
@@ -25,7 +28,7 @@ pub fn differences(document: &str, packages: &[Package]) -> Vec<String> {
     for package in packages {
         let Some(allowed) = drawn.get(&package.name) else {
             let arrows = lines(&package.name, &package.dependencies).join("\n  ");
-            found.push(format!("{}: has no line in {DOCUMENT}; add\n  {arrows}", package.name));
+            found.push(format!("{}: has no arrow in {DOCUMENT}; add\n  {arrows}", package.name));
             continue;
         };
         let differs = |name: &String, tests: bool, other: &BTreeMap<String, bool>| other.get(name) != Some(&tests);
@@ -49,7 +52,7 @@ pub fn differences(document: &str, packages: &[Package]) -> Vec<String> {
     found
 }
 
-/// The lines of a package: what it is built with, and what its tests alone need.
+/// The lines of the document for a package: one with its dependencies, and one with those of its tests, if any.
 fn lines(name: &str, dependencies: &BTreeMap<String, bool>) -> Vec<String> {
     let of = |tests: bool| -> Vec<&str> {
         dependencies.iter().filter(|(_, only)| **only == tests).map(|(name, _)| name.as_str()).collect()
@@ -62,7 +65,8 @@ fn lines(name: &str, dependencies: &BTreeMap<String, bool>) -> Vec<String> {
     lines
 }
 
-/// The arrows of a document: lines `crate -> crate crate`, `crate -> (none)` and `crate -> crate (tests)`.
+/// Reads the arrows from the text of the document: lines `crate -> crate crate`, `crate -> (none)` and `crate ->
+/// crate (tests)`.
 fn read(document: &str) -> Result<Arrows, String> {
     let block = document.split_once(BEGIN).and_then(|(_, rest)| rest.split_once("```"));
     let Some((block, _)) = block else { return Err(format!("{DOCUMENT}: has no block that begins with ```arrows")) };
@@ -108,7 +112,7 @@ mod tests {
         assert_eq!(
             with("core -> (none)\nenv -> (none)\nold -> core"),
             [
-                "net: has no line in docs/architecture.md; add\n  net -> core\n  net -> env (tests)",
+                "net: has no arrow in docs/architecture.md; add\n  net -> core\n  net -> env (tests)",
                 "old: no package of this name; remove its lines from docs/architecture.md"
             ]
         );

@@ -1,19 +1,21 @@
-//! Which file uses which, and where that goes round in circles.
+//! The graph of dependencies between source files, and its circles.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::fmt::Write as _;
 
-/// The references of one file to another: the line (from 1) and the name.
+/// The uses of one file's names in another file: line (from 1) and name.
 type References = BTreeSet<(usize, String)>;
 
-/// Files and their references to each other. A file is named by its path from the package's folder.
+/// A directed graph of source files, which are named by their paths from the package's folder.
 #[derive(Debug, Default)]
 pub struct Graph {
+    /// For each file the files whose names it uses.
     references: BTreeMap<String, BTreeMap<String, References>>,
 }
 
 impl Graph {
-    /// Notes that `from` uses `name` of `to` in a line (from 1). What a file uses of itself does not count.
+    /// Adds that the file `from` uses, in a line (from 1), the name `name` that is defined in the file `to`. Uses
+    /// within a file are ignored.
     pub fn add(&mut self, from: &str, to: &str, name: &str, line: usize) {
         if from != to {
             let found = self.references.entry(from.into()).or_default().entry(to.into()).or_default();
@@ -21,8 +23,7 @@ impl Graph {
         }
     }
 
-    /// Every group of files that need each other, directly or through others of the group: the strongly connected
-    /// components of more than one file.
+    /// The circles of the graph: its strongly connected components of more than one file.
     pub fn circles(&self) -> Vec<Circle<'_>> {
         let reach: BTreeMap<&str, BTreeSet<&str>> =
             self.references.keys().map(|file| (file.as_str(), self.reached_from(file))).collect();
@@ -41,11 +42,13 @@ impl Graph {
         circles
     }
 
+    /// The files whose names a file uses.
     fn used_by<'g>(&'g self, file: &str) -> impl Iterator<Item = &'g str> + use<'g> {
         self.references.get(file).into_iter().flat_map(|to| to.keys().map(String::as_str))
     }
 
-    /// All files that `file` uses, directly or not; itself only where it is in a circle.
+    /// All files that `file` depends on, directly or through others. The file itself is one of them if it is in a
+    /// circle.
     fn reached_from<'g>(&'g self, file: &str) -> BTreeSet<&'g str> {
         let mut reached = BTreeSet::new();
         let mut waiting: Vec<&str> = self.used_by(file).collect();
@@ -57,7 +60,7 @@ impl Graph {
         reached
     }
 
-    /// The fewest files from `file` back to itself, which is both the first and the last of them.
+    /// The shortest path from `file` back to itself, which is the first and the last file of the path.
     fn shortest_circle<'g>(&'g self, file: &'g str) -> Option<Vec<&'g str>> {
         let mut came_from: BTreeMap<&str, &str> = BTreeMap::new();
         let mut waiting = VecDeque::from([file]);
@@ -81,17 +84,19 @@ impl Graph {
     }
 }
 
-/// Files of which each needs every other.
+/// A group of files of which each depends on every other, directly or through others.
 #[derive(Debug)]
 pub struct Circle<'g> {
     graph: &'g Graph,
+    /// All files of the group.
     files: BTreeSet<&'g str>,
+    /// The shortest circle among them, with its first file also at the end.
     shortest: Vec<&'g str>,
 }
 
 impl Circle<'_> {
-    /// The shortest way round, in a line: each file with the first name that the file before uses of it, and the line
-    /// there.
+    /// The shortest circle as a line of text. After each file stands the first of its names that the file before it
+    /// uses, and the line of this use.
     pub fn line(&self) -> String {
         let mut line = self.shortest.first().copied().unwrap_or_default().to_owned();
         for (from, to) in self.shortest.iter().zip(self.shortest.iter().skip(1)) {
@@ -102,17 +107,17 @@ impl Circle<'_> {
         line
     }
 
-    /// How many files are in it; the shortest way round may leave some out.
+    /// The number of files in the group; the shortest circle may have fewer.
     pub fn len(&self) -> usize {
         self.files.len()
     }
 
-    /// Every reference inside the circle, one a line: `from -> to: name (line), name (line)`.
+    /// Every dependency between files of the group, one a line: `from -> to: name (line), name (line)`.
     pub fn all(&self) -> Vec<String> {
         let mut lines = Vec::new();
         for from in &self.files {
             for to in self.files.iter().filter(|to| self.references(from, to).next().is_some()) {
-                // A name that is used often is told once.
+                // Of a name that is used often only the first line is given.
                 let mut names: BTreeMap<&str, usize> = BTreeMap::new();
                 for (line, name) in self.references(from, to) {
                     names.entry(name).or_insert(*line);
@@ -124,6 +129,7 @@ impl Circle<'_> {
         lines
     }
 
+    /// The uses of names of the file `to` in the file `from`.
     fn references(&self, from: &str, to: &str) -> impl Iterator<Item = &(usize, String)> {
         self.graph.references.get(from).and_then(|all| all.get(to)).into_iter().flatten()
     }

@@ -1,28 +1,28 @@
-//! `use` declarations, taken apart.
+//! Splitting `use` declarations into single imports.
 
 use syn::UseTree;
 
 /// One name that a `use` declaration imports, or all names of a module.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Import {
-    /// The path, down to the thing itself or to the module of all names.
+    /// The path of what is imported, or of the module whose names are all imported.
     pub path: Vec<String>,
-    /// The name that it gets here; nothing where all names are imported.
+    /// The name that it gets in the importing module; `None` where all names are imported.
     pub name: Option<String>,
-    /// The line of its last name, from 1.
+    /// The line of the last name of the path, from 1.
     pub line: usize,
 }
 
-/// The imports of a `use` declaration.
+/// The imports of a `use` declaration, without those from other crates by a leading `::`.
 pub fn imports(item: &syn::ItemUse) -> Vec<Import> {
     let mut found = Vec::new();
-    // `::name` is another crate.
     if item.leading_colon.is_none() {
         flatten(&item.tree, &mut Vec::new(), &mut found);
     }
     found
 }
 
+/// Adds the imports of a part of a `use` declaration that stands after `path`.
 fn flatten(tree: &UseTree, path: &mut Vec<String>, found: &mut Vec<Import>) {
     match tree {
         UseTree::Path(inner) => {
@@ -40,6 +40,7 @@ fn flatten(tree: &UseTree, path: &mut Vec<String>, found: &mut Vec<Import>) {
     }
 }
 
+/// The import of `last` from the module `before`, as `name`.
 fn import(before: &[String], last: &syn::Ident, name: &syn::Ident) -> Import {
     let mut path = before.to_vec();
     let mut name = name.to_string();

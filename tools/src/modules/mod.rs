@@ -1,7 +1,8 @@
-//! `cargo xtask modules`: no module needs, round a circle, itself, and the crates depend on each other as drawn.
+//! `cargo xtask modules`: checks that the source files of a crate do not depend on each other in a circle, and that the
+//! crates depend on each other as the document on the architecture says.
 //!
-//! A circle is a group of source files of which each uses names of the others: none of them can be read, tested or
-//! moved alone.
+//! A file depends on another one if it uses a name that is defined there. The files of a circle cannot be understood,
+//! tested or moved one by one.
 
 mod arrows;
 mod graph;
@@ -23,22 +24,22 @@ use crate::workspace;
 use graph::Graph;
 use packages::{Package, packages};
 
-/// The Python packages, as paths from the workspace root.
+/// The Python packages that are checked, as paths from the workspace root.
 const PYTHON: [&str; 1] = ["sitl-bridge/simlink"];
 
 /// Options of `cargo xtask modules`.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Print every reference inside each circle, not only the shortest way round.
+    /// Print every dependency between the files of a circle, not only the shortest circle.
     #[arg(long)]
     all: bool,
 }
 
-/// Looks at all source files of libraries, programs and Python packages, without tests, benches and examples.
+/// Checks the source files of all libraries, programs and Python packages; tests, benches and examples are left out.
 ///
 /// # Errors
-/// There is a circle, or a difference between the crates' dependencies and the document: all are named. Or a file
-/// cannot be read.
+/// There are circles, or the crates' dependencies differ from the document; the error names all of them. Or a file
+/// cannot be read or parsed.
 pub fn main(args: &Args) -> Result<()> {
     let root = workspace::root();
     let packages = packages()?;
@@ -50,7 +51,7 @@ pub fn main(args: &Args) -> Result<()> {
         complaints.extend(circles(folder, &python::graph(&root.join(folder))?, args.all));
     }
     if !complaints.is_empty() {
-        complaints.push("  a circle: move what both need into a file of its own, or pass it in".into());
+        complaints.push("To break a circle, move what both files need into a file of its own, or pass it in.".into());
     }
     let path = root.join(arrows::DOCUMENT);
     let document = fs::read_to_string(&path).map_err(Error::file(&path))?;
@@ -67,7 +68,7 @@ pub fn main(args: &Args) -> Result<()> {
     Err(Error::Modules(complaints.join("\n")))
 }
 
-/// The references between the files of a package's library and programs.
+/// The dependencies between the files of a package's library and programs.
 fn graph_of(package: &Package) -> Result<Graph> {
     let mut graph = Graph::default();
     for root in &package.roots {
@@ -76,13 +77,13 @@ fn graph_of(package: &Package) -> Result<Graph> {
     Ok(graph)
 }
 
-/// A line for each circle, and with `all` one for each pair of files in it.
+/// A line for each circle of a package, and with `all` also a line for each pair of files in it.
 fn circles(package: &str, graph: &Graph, all: bool) -> Vec<String> {
     let mut lines = Vec::new();
     for circle in graph.circles() {
         lines.push(format!("{package}: {}", circle.line()));
         if circle.len() > 2 {
-            lines.push(format!("  {} files of {package} need each other in this circle", circle.len()));
+            lines.push(format!("  {} files depend on each other in this circle", circle.len()));
         }
         if all {
             lines.extend(circle.all().into_iter().map(|line| format!("  {line}")));

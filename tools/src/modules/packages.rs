@@ -1,4 +1,4 @@
-//! The packages of this repository, as cargo tells them.
+//! The packages of this repository, from `cargo metadata`.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -8,10 +8,11 @@ use serde::Deserialize;
 use crate::command::Cmd;
 use crate::error::{Error, Result};
 
-/// Manifests of the workspaces: one for the host, and two that are built in other ways.
+/// The manifests of the workspaces of this repository, as paths from its root: the main one, the bare-metal images
+/// and the fuzz targets.
 const WORKSPACES: [&str; 3] = ["Cargo.toml", "firmware-core/image/Cargo.toml", "fuzz/Cargo.toml"];
 
-/// A package.
+/// A package of this repository.
 #[derive(Debug)]
 pub struct Package {
     /// Its name.
@@ -20,17 +21,19 @@ pub struct Package {
     pub folder: PathBuf,
     /// The root files of its library and its programs.
     pub roots: Vec<PathBuf>,
-    /// The packages of this repository that it depends on, and whether its tests alone do.
+    /// The packages of this repository that it depends on, with `true` where only its tests do.
     pub dependencies: BTreeMap<String, bool>,
 }
 
+/// The output of `cargo metadata`.
 #[derive(Deserialize)]
 struct Metadata {
-    packages: Vec<Told>,
+    packages: Vec<Described>,
 }
 
+/// A package in the output of `cargo metadata`.
 #[derive(Deserialize)]
-struct Told {
+struct Described {
     name: String,
     manifest_path: PathBuf,
     targets: Vec<Target>,
@@ -50,37 +53,37 @@ struct Dependency {
     path: Option<PathBuf>,
 }
 
-/// All packages of all workspaces here, by name.
+/// Reads the packages of all workspaces of this repository, sorted by name.
 ///
 /// # Errors
-/// Cargo fails, or tells something else than expected.
+/// Cargo fails, or its output is not what is expected.
 pub fn packages() -> Result<Vec<Package>> {
     let mut all = Vec::new();
     for manifest in WORKSPACES {
         let command =
             Cmd::cargo().args(["metadata", "--no-deps", "--format-version", "1", "--manifest-path", manifest]);
         let printed = command.read()?;
-        let told: Metadata = serde_json::from_str(&printed)
+        let metadata: Metadata = serde_json::from_str(&printed)
             .map_err(|error| Error::Output { command: command.to_string(), printed: error.to_string() })?;
-        all.extend(told.packages.into_iter().map(Package::from));
+        all.extend(metadata.packages.into_iter().map(Package::from));
     }
     all.sort_by(|a, b| a.name.cmp(&b.name));
     Ok(all)
 }
 
-impl From<Told> for Package {
-    fn from(told: Told) -> Self {
+impl From<Described> for Package {
+    fn from(described: Described) -> Self {
         let wanted = |target: &Target| target.kind.iter().any(|kind| kind.ends_with("lib") || kind == "bin");
         let mut dependencies = BTreeMap::new();
-        for dependency in told.dependencies.into_iter().filter(|dependency| dependency.path.is_some()) {
+        for dependency in described.dependencies.into_iter().filter(|dependency| dependency.path.is_some()) {
             let tests_only = dependency.kind.as_deref() == Some("dev");
             let known = dependencies.entry(dependency.name).or_insert(tests_only);
             *known &= tests_only;
         }
         Self {
-            name: told.name,
-            folder: told.manifest_path.parent().map_or_else(PathBuf::new, PathBuf::from),
-            roots: told.targets.into_iter().filter(wanted).map(|target| target.src_path).collect(),
+            name: described.name,
+            folder: described.manifest_path.parent().map_or_else(PathBuf::new, PathBuf::from),
+            roots: described.targets.into_iter().filter(wanted).map(|target| target.src_path).collect(),
             dependencies,
         }
     }

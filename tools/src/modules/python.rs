@@ -1,4 +1,4 @@
-//! Imports between the modules of a Python package.
+//! The imports between the modules of a Python package. They are read without Python, which may not be installed.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,19 +6,19 @@ use std::path::{Path, PathBuf};
 use super::graph::Graph;
 use crate::error::{Error, Result};
 
-/// A name that an `import` or `from` statement brings in.
+/// An import of one module or name, by a statement `import` or `from … import`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Import {
-    /// The module, with its leading dots where it is relative.
+    /// The module as it is written, with leading dots where it is relative.
     module: String,
-    /// The name that is taken from it; nothing where the module itself is imported.
+    /// The name that is imported from the module; `None` where the module itself is imported.
     name: Option<String>,
     /// The line of the statement, from 1.
     line: usize,
 }
 
-/// The imports between the modules of the package in `folder`, whose name is the folder's. Its folders `tests` are
-/// left out.
+/// Reads the graph of imports between the modules of the package in `folder`, which has the folder's name. Folders
+/// called `tests` are left out.
 ///
 /// # Errors
 /// A file or a folder cannot be read.
@@ -42,6 +42,7 @@ pub fn graph(folder: &Path) -> Result<Graph> {
     Ok(graph)
 }
 
+/// Adds all modules in a folder and in the folders inside.
 fn list(folder: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
     for entry in fs::read_dir(folder).map_err(Error::file(folder))? {
         let path = entry.map_err(Error::file(folder))?.path();
@@ -54,11 +55,13 @@ fn list(folder: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
     Ok(())
 }
 
+/// The path of a file from the package's folder.
 fn relative(folder: &Path, file: &Path) -> String {
     file.strip_prefix(folder).unwrap_or(file).display().to_string()
 }
 
-/// The path of a module inside the package, with slashes; nothing where it is of another package.
+/// The path of the imported `module` from the package's folder; `None` where it belongs to another package. `own` is
+/// the path of the importing file.
 fn inside(package: &str, own: &str, module: &str) -> Option<String> {
     let name = module.trim_start_matches('.');
     let dots = module.len() - name.len();
@@ -71,12 +74,13 @@ fn inside(package: &str, own: &str, module: &str) -> Option<String> {
     Some(folder.join(name.replace('.', "/")).display().to_string())
 }
 
+/// The file of a module, or of a package inside the package.
 fn file_of(folder: &Path, module: &str) -> Option<PathBuf> {
     let path = folder.join(module.trim_matches('/'));
     [path.with_extension("py"), path.join("__init__.py")].into_iter().find(|file| file.is_file())
 }
 
-/// All imports of a source text, also those inside functions and conditions.
+/// All imports in a source text, also those inside functions and under conditions.
 fn imports(text: &str) -> Vec<Import> {
     let mut found = Vec::new();
     for (line, statement) in statements(text) {
@@ -96,8 +100,8 @@ fn imports(text: &str) -> Vec<Import> {
     found
 }
 
-/// The simple statements of a text with the lines where they begin, without comments and without what is quoted.
-/// Lines that continue another are joined with it.
+/// Splits a source text into simple statements and gives the line where each begins. Comments and string literals are
+/// left out, and continued lines are joined.
 fn statements(text: &str) -> Vec<(usize, String)> {
     let mut found = Vec::new();
     let (mut line, mut depth) = (1, 0usize);

@@ -1,4 +1,4 @@
-//! Reading a target's source files into its module tree.
+//! Reading the source files of a library or program into its module tree.
 
 use std::collections::HashMap;
 use std::fs;
@@ -12,8 +12,8 @@ use super::test_only::{attributes, is_test_only};
 use super::tree::{Binding, Meaning, Module, Tree};
 use crate::error::{Error, Result};
 
-/// Reads the target whose root file is `root`, following its `mod` declarations. Files are named by their paths from
-/// `package`.
+/// Reads the source file `root` of a library or program and all files of its `mod` declarations. Files are named by
+/// their paths from the folder `package`.
 ///
 /// # Errors
 /// A file is missing or cannot be parsed.
@@ -26,16 +26,17 @@ pub fn read(package: &Path, root: &Path) -> Result<Tree> {
     Ok(reader.tree)
 }
 
+/// The module tree while it is read.
 struct Reader<'p> {
     package: &'p Path,
     tree: Tree,
 }
 
-/// Where the `mod` declarations of a module look for files.
+/// The folders in which the files of a module's `mod` declarations lie.
 struct Folders {
     /// For `mod x;`.
     children: PathBuf,
-    /// For `#[path]`.
+    /// For `mod x;` with `#[path]`.
     paths: PathBuf,
 }
 
@@ -54,6 +55,7 @@ impl Reader<'_> {
         self.module(name, items, &folders, parent)
     }
 
+    /// Adds a module with these items, reads its child modules, and returns its number.
     fn module(&mut self, file: String, items: Vec<Item>, folders: &Folders, parent: Option<usize>) -> Result<usize> {
         let number = self.tree.modules.len();
         let mut kept = Vec::new();
@@ -83,6 +85,7 @@ impl Reader<'_> {
         Ok(number)
     }
 
+    /// Reads a child module, which may be in a file of its own or inline, and returns its number.
     fn child(&mut self, file: &str, child: ItemMod, folders: &Folders, parent: usize) -> Result<usize> {
         let name = child.ident.to_string();
         let folder = folders.children.join(&name);
@@ -92,7 +95,7 @@ impl Reader<'_> {
         }
         if let Some(path) = child.attrs.iter().find_map(path_attribute) {
             let found = folders.paths.join(path);
-            // Such a file is the root of its own folder, as a mod.rs is.
+            // The child modules of such a file lie beside it, as those of a mod.rs do.
             let found = found.canonicalize().map_err(Error::file(found))?;
             let beside = found.parent().map_or_else(PathBuf::new, Path::to_path_buf);
             return self.file(&found, &beside, Some(parent));
@@ -102,7 +105,7 @@ impl Reader<'_> {
     }
 }
 
-/// The path of `#[path = "…"]`.
+/// The path in an attribute `#[path = "…"]`.
 fn path_attribute(attribute: &Attribute) -> Option<String> {
     let Meta::NameValue(pair) = &attribute.meta else { return None };
     match &pair.value {
@@ -114,7 +117,7 @@ fn path_attribute(attribute: &Attribute) -> Option<String> {
     }
 }
 
-/// Collects the names that items give to their module.
+/// The names of a module, collected from its items.
 struct Names {
     module: usize,
     bound: HashMap<String, Vec<Binding>>,
@@ -122,11 +125,12 @@ struct Names {
 }
 
 impl Names {
-    /// The names that are declared inside functions. They are taken as names of the module where it has no such name
-    /// itself: that is exact enough, and nothing outside sees them.
+    /// The names that are declared inside functions. They are treated as private names of the module, unless it has a
+    /// name of its own that is the same. That ignores in which function a name is valid, which makes no difference in
+    /// practice.
     fn of_bodies(&self, items: &[Item]) -> Self {
         let mut inner = Self { module: self.module, bound: HashMap::new(), globs: Vec::new() };
-        // The walk of an item's parts meets only what is inside it.
+        // This visits the parts of the item, but not the item itself.
         items.iter().for_each(|item| visit::visit_item(&mut inner, item));
         for binding in inner.bound.values_mut().flatten().chain(&mut inner.globs) {
             binding.public = false;
@@ -134,6 +138,7 @@ impl Names {
         inner
     }
 
+    /// Adds the names that an item declares.
     fn bind(&mut self, item: &Item) {
         let item_here = Meaning::Item(self.module);
         match item {
@@ -174,6 +179,7 @@ impl Names {
         }
     }
 
+    /// Adds a name.
     fn add(&mut self, name: &Ident, visibility: &Visibility, meaning: Meaning) {
         let binding = Binding { public: is_public(visibility), meaning };
         self.bound.entry(name.to_string()).or_default().push(binding);
@@ -189,6 +195,7 @@ impl<'a> Visit<'a> for Names {
     }
 }
 
+/// Whether there is any `pub`, also a restricted one.
 fn is_public(visibility: &Visibility) -> bool {
     !matches!(visibility, Visibility::Inherited)
 }

@@ -1,9 +1,10 @@
-//! What is compiled for tests alone.
+//! Recognising items that are compiled for tests only.
 
 use syn::punctuated::Punctuated;
 use syn::{Attribute, Item, Meta, Token};
 
-/// Whether these attributes leave an item out of everything but tests: `#[test]`, `#[cfg(test)]` and what implies it.
+/// Whether an item with these attributes is compiled for tests only: with `#[test]`, or with a `#[cfg]` that implies
+/// `test`.
 pub fn is_test_only(attributes: &[Attribute]) -> bool {
     attributes.iter().any(|attribute| {
         let path = attribute.path();
@@ -11,6 +12,7 @@ pub fn is_test_only(attributes: &[Attribute]) -> bool {
     })
 }
 
+/// Whether a condition can only be true if `test` is.
 fn implies_test(condition: &Meta) -> bool {
     let all_of = |of: fn(&[Meta]) -> bool| match condition {
         Meta::List(list) => list

@@ -42,7 +42,7 @@ fn two_files_that_use_each_other_are_a_circle() {
 }
 
 #[test]
-fn of_a_circle_the_shortest_way_round_is_told_and_how_many_files_it_has() {
+fn a_larger_circle_is_reported_by_its_shortest_part_and_its_number_of_files() {
     let three = [
         ("src/lib.rs", "mod a; mod b; mod c; mod d;"),
         ("src/a.rs", "pub fn a() { crate::b::b() }"),
@@ -51,11 +51,11 @@ fn of_a_circle_the_shortest_way_round_is_told_and_how_many_files_it_has() {
         ("src/d.rs", "pub fn d() {}"),
     ];
     let circle = "p: src/a.rs -> src/b.rs (b, line 1) -> src/c.rs (c, line 1) -> src/a.rs (a, line 1)";
-    assert_eq!(found(&three), [circle, "  3 files of p need each other in this circle"]);
+    assert_eq!(found(&three), [circle, "  3 files depend on each other in this circle"]);
     let mut four = three;
     four[4].1 = "pub fn d() { super::c::c() }";
     let circle = "p: src/c.rs -> src/d.rs (d, line 1) -> src/c.rs (c, line 1)";
-    assert_eq!(found(&four), [circle, "  4 files of p need each other in this circle"]);
+    assert_eq!(found(&four), [circle, "  4 files depend on each other in this circle"]);
 }
 
 #[test]

@@ -1,15 +1,15 @@
-//! Paths in the tokens of a macro call, which nobody but the macro can parse.
+//! Finding paths among the tokens of a macro call or an attribute, whose grammar is not known.
 
 use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 
 /// A path among tokens.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Found {
-    /// Its names.
+    /// The names of the path.
     pub path: Vec<String>,
-    /// The line of its first name, from 1.
+    /// The line of the first name, from 1.
     pub line: usize,
-    /// What follows it.
+    /// Whether the path is called.
     pub call: Call,
 }
 
@@ -24,7 +24,7 @@ pub enum Call {
     Macro,
 }
 
-/// All paths in `tokens` and in the groups inside. Names after a dot are fields or methods, after a quote lifetimes.
+/// All paths in `tokens`, also inside brackets. Fields, methods and lifetimes are left out.
 pub fn paths(tokens: TokenStream) -> Vec<Found> {
     let tokens: Vec<TokenTree> = tokens.into_iter().collect();
     let mut found = Vec::new();
@@ -45,7 +45,7 @@ pub fn paths(tokens: TokenStream) -> Vec<Found> {
     found
 }
 
-/// The path that begins at a name, and where it ends.
+/// The path that begins at the name `start`, and the position after it.
 fn path_at(tokens: &[TokenTree], start: usize) -> (Found, usize) {
     let mut names = Vec::new();
     let mut at = start;
@@ -68,16 +68,17 @@ fn path_at(tokens: &[TokenTree], start: usize) -> (Found, usize) {
     (Found { path: names, line, call }, at)
 }
 
+/// Whether a token is this punctuation character.
 fn is_punct(token: Option<&TokenTree>, sign: char) -> bool {
     matches!(token, Some(TokenTree::Punct(punct)) if punct.as_char() == sign)
 }
 
-/// Whether what stands before a name makes it a field, a method, a lifetime, or a part of another crate's path.
+/// Whether the tokens before a name make it a field, a method, a lifetime, or the rest of a path that began earlier.
 fn is_no_path(before: &[TokenTree]) -> bool {
     match before {
         [.., TokenTree::Punct(first), TokenTree::Punct(second)] => {
             let joint = first.spacing() == Spacing::Joint && first.as_char() == second.as_char();
-            // `..` is a range, `::` the rest of a path.
+            // After `..` a new expression begins, after `::` a path goes on.
             if joint { second.as_char() == ':' } else { matches!(second.as_char(), '.' | '\'') }
         }
         [.., TokenTree::Punct(last)] => matches!(last.as_char(), '.' | '\''),

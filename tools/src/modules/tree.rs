@@ -4,40 +4,41 @@ use std::collections::HashMap;
 
 use syn::Item;
 
-/// The module tree of a library or a program. Modules are numbered, the root is 0.
+/// The module tree of a library or a program. Modules are identified by their numbers; the root is 0.
 #[derive(Default)]
 pub struct Tree {
-    /// The modules.
+    /// The modules, by number.
     pub modules: Vec<Module>,
 }
 
-/// A module: a file, or a part of one.
+/// A module, which is a file or an inline part of one.
 pub struct Module {
-    /// The file that it is written in, as a path from the package's folder.
+    /// The file of the module, as a path from the package's folder.
     pub file: String,
-    /// Its items, without its child modules and without those that only tests have.
+    /// The items of the module, without child modules and without items for tests.
     pub items: Vec<Item>,
-    /// The module around it; only the root has none.
+    /// The number of the parent module; `None` for the root.
     pub parent: Option<usize>,
-    /// What the names in it mean; one name may be a type and a function, or depend on a `cfg`.
+    /// The names in the module. A name can have several meanings: as a type and as a function, or under different
+    /// `cfg`.
     pub names: HashMap<String, Vec<Binding>>,
-    /// The paths of its imports of all names of another module.
+    /// The imports of all names of another module.
     pub globs: Vec<Binding>,
 }
 
-/// What a name means.
+/// One meaning of a name.
 #[derive(Clone, Debug)]
 pub struct Binding {
-    /// Whether it can be used outside the module, by a visibility of any kind.
+    /// Whether the name can be used outside the module; any `pub` counts, also a restricted one.
     pub public: bool,
-    /// What stands behind it.
+    /// What the name stands for.
     pub meaning: Meaning,
 }
 
-/// What stands behind a name.
+/// What a name stands for.
 #[derive(Clone, Debug)]
 pub enum Meaning {
-    /// A type, a function, a constant, a macro, written in the module of this number.
+    /// A type, function, constant or macro that is defined in the module of this number.
     Item(usize),
     /// The child module of this number.
     Module(usize),
@@ -45,31 +46,33 @@ pub enum Meaning {
     Import(Vec<String>),
 }
 
-/// Where a path leads.
+/// What a path stands for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// To a module.
+    /// The module of this number.
     Module(usize),
-    /// To something that is defined in a module.
+    /// Something that is defined in a module.
     Item {
-        /// The module.
+        /// The number of the module.
         module: usize,
-        /// The name there.
+        /// Its name in the module.
         name: String,
     },
 }
 
-/// The imports being followed: one that leads to itself is not followed again.
+/// The imports that are being resolved, by module, name and number. An import that leads back to itself is not resolved
+/// again.
 type Followed = Vec<(usize, String, usize)>;
 
 impl Tree {
-    /// Where `path`, written in the module `from`, leads: nowhere where it is of another crate or a variable, to more
-    /// than one place where a name means several things.
+    /// What a path in the module `from` stands for. The result is empty for paths of other crates and for variables,
+    /// and has more than one element where a name has several meanings.
     pub fn resolve(&self, from: usize, path: &[String]) -> Vec<Place> {
         self.follow(from, path, &mut Followed::new())
     }
 
-    /// Where a macro called `name` in the module `from` is defined: also before the `mod` of a module around it.
+    /// What the macro name `name` in the module `from` stands for. A macro of `macro_rules!` is also valid in the child
+    /// modules that are declared after it.
     pub fn resolve_macro(&self, from: usize, name: &str) -> Vec<Place> {
         let mut at = Some(from);
         while let Some(module) = at {
@@ -81,6 +84,7 @@ impl Tree {
         Vec::new()
     }
 
+    /// As [`Self::resolve`], while the imports `followed` are being resolved.
     fn follow(&self, from: usize, path: &[String], followed: &mut Followed) -> Vec<Place> {
         let (mut at, mut rest) = (from, path);
         while let [first, after @ ..] = rest {
@@ -95,7 +99,7 @@ impl Tree {
         let Some((first, after)) = rest.split_first() else { return vec![Place::Module(at)] };
         let mut places = match self.look_up(at, first, from, followed) {
             Some(places) => places,
-            // Another crate, a variable, a name of the standard library.
+            // The name of another crate or of the standard library, or a variable.
             None if rest.len() == path.len() => Vec::new(),
             None => vec![Place::Item { module: at, name: first.clone() }],
         };
@@ -107,7 +111,7 @@ impl Tree {
             }
             let inside = |module: usize| {
                 let found = self.look_up(module, name, from, followed);
-                // A macro may have written the name.
+                // The name is not in the source text, so a macro has defined it.
                 found.unwrap_or_else(|| vec![Place::Item { module, name: name.clone() }])
             };
             places = modules.into_iter().flat_map(inside).collect();
@@ -115,7 +119,7 @@ impl Tree {
         places
     }
 
-    /// What `name` means in a module, seen from another; nothing where the module does not have it.
+    /// What `name` stands for in a module, seen from the module `viewer`; `None` where the module has no such name.
     fn look_up(&self, module: usize, name: &str, viewer: usize, followed: &mut Followed) -> Option<Vec<Place>> {
         let visible = |binding: &&Binding| binding.public || self.is_within(viewer, module);
         let Module { names, globs, .. } = &self.modules[module];
@@ -143,6 +147,7 @@ impl Tree {
         })
     }
 
+    /// Whether a module is the module `around` or inside it.
     fn is_within(&self, module: usize, around: usize) -> bool {
         let mut at = Some(module);
         while let Some(here) = at {
@@ -156,12 +161,13 @@ impl Tree {
 }
 
 impl Place {
+    /// The number of the module, if it is one.
     fn module(&self) -> Option<usize> {
         if let Self::Module(module) = self { Some(*module) } else { None }
     }
 }
 
-/// Follows an import unless that is what is being done already.
+/// Resolves an import with `follow`, unless it is being resolved already.
 fn guarded(
     followed: &mut Followed,
     import: (usize, String, usize),

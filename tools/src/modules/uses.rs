@@ -1,4 +1,4 @@
-//! Which names of other files a module uses.
+//! Finding the uses of names that are defined in other files.
 
 use syn::spanned::Spanned as _;
 use syn::visit::{self, Visit};
@@ -10,10 +10,10 @@ use super::test_only::{attributes, is_test_only};
 use super::tokens::{self, Call, Found};
 use super::tree::{Meaning, Place, Tree};
 
-/// Adds every use of a name of another file to `graph`.
+/// Adds every use of a name that is defined in another file to `graph`.
 ///
-/// A re-export is no use, and neither is a module's name alone. Not seen are methods: which type a value has is known
-/// to the compiler only.
+/// A re-export is no use, and neither is the name of a module alone. Calls of methods are not found, since only the
+/// compiler knows the types of values.
 pub fn add_uses(tree: &Tree, graph: &mut Graph) {
     for (module, inside) in tree.modules.iter().enumerate() {
         let mut uses = Uses { tree, module, graph };
@@ -21,6 +21,7 @@ pub fn add_uses(tree: &Tree, graph: &mut Graph) {
     }
 }
 
+/// The uses in one module.
 struct Uses<'t> {
     tree: &'t Tree,
     module: usize,
@@ -28,11 +29,13 @@ struct Uses<'t> {
 }
 
 impl Uses<'_> {
+    /// Adds the use of a path.
     fn path(&mut self, path: &[String], line: usize) {
         let places = self.tree.resolve(self.module, path);
         self.add(&places, line);
     }
 
+    /// Adds the use of what a path stands for.
     fn add(&mut self, places: &[Place], line: usize) {
         for place in places {
             if let Place::Item { module, name } = place {
@@ -42,12 +45,12 @@ impl Uses<'_> {
         }
     }
 
-    /// All names of a module: a use of its file, where it defines any. The names that are used are found by
-    /// themselves.
+    /// Adds the import of all names of a module. It is a use of the module's file if that defines any names; the uses
+    /// of imported names are found where they stand.
     fn glob(&mut self, path: &[String], line: usize) {
         for place in self.tree.resolve(self.module, path) {
             let Place::Module(module) = place else {
-                // The variants of an enum.
+                // All variants of an enum.
                 self.add(&[place], line);
                 continue;
             };
@@ -58,6 +61,7 @@ impl Uses<'_> {
         }
     }
 
+    /// Adds the uses among the tokens of a macro call or an attribute.
     fn tokens(&mut self, tokens: proc_macro2::TokenStream) {
         for Found { path, line, call } in tokens::paths(tokens) {
             match (path.as_slice(), call) {
@@ -72,11 +76,12 @@ impl Uses<'_> {
     }
 }
 
-/// A lower-case name alone is taken for a variable.
+/// Whether a single name is taken for a variable: if it begins with a small letter.
 fn may_be_variable(name: &str) -> bool {
     name.starts_with(|c: char| c.is_lowercase() || c == '_')
 }
 
+/// The names of a path, without generic arguments.
 fn names(path: &Path) -> Vec<String> {
     path.segments.iter().map(|segment| segment.ident.to_string()).collect()
 }
