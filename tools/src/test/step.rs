@@ -40,6 +40,7 @@ const IMAGE: &str = "firmware-core/image/Cargo.toml";
 pub const STEPS: &[Step] = &[
     Step::cargo("fmt", &["fmt", "--all", "--check"]),
     Step::cargo("image-fmt", &["fmt", "--manifest-path", IMAGE, "--check"]),
+    Step::cargo("modules", &["xtask", "modules"]),
     Step::cargo("clippy", &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]),
     Step {
         needs: &[Item::RustTargets],
