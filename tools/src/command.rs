@@ -1,4 +1,4 @@
-//! Running other programs, and saying exactly what was run.
+//! Running other programs.
 
 use std::ffi::OsStr;
 use std::fmt;
@@ -9,7 +9,8 @@ use std::process::{Command, ExitStatus, Stdio};
 use crate::error::{Error, Result};
 use crate::workspace;
 
-/// A command that starts in the workspace root unless told otherwise, and prints as one would type it.
+/// A command line of another program. It runs in the workspace root unless another folder is set, and is displayed as
+/// it would be typed in a shell.
 #[derive(Clone, Debug)]
 pub struct Cmd {
     program: String,
@@ -19,7 +20,7 @@ pub struct Cmd {
 }
 
 impl Cmd {
-    /// A command without arguments.
+    /// A command that runs `program`, a name on the search path or a path, without arguments.
     pub fn new(program: impl AsRef<OsStr>) -> Self {
         Self {
             program: program.as_ref().to_string_lossy().into_owned(),
@@ -29,7 +30,7 @@ impl Cmd {
         }
     }
 
-    /// The cargo that runs us.
+    /// A command that runs cargo, of the toolchain that also runs `cargo xtask`.
     pub fn cargo() -> Self {
         Self::new("cargo")
     }
@@ -54,17 +55,17 @@ impl Cmd {
         self
     }
 
-    /// Starts in `folder`.
+    /// Runs the program in `folder`.
     #[must_use]
     pub fn folder(mut self, folder: impl AsRef<Path>) -> Self {
         self.folder = folder.as_ref().into();
         self
     }
 
-    /// The same as root: through sudo, unless we are root already.
+    /// The same command run as root by sudo.
     #[must_use]
     pub fn into_root(mut self) -> Self {
-        // env carries the variables across, because sudo clears the environment.
+        // sudo clears the environment, so env sets the variables again.
         let mut args = vec!["env".to_owned()];
         args.extend(self.env.drain(..).map(|(name, value)| format!("{name}={value}")));
         args.push(std::mem::replace(&mut self.program, "sudo".into()));
@@ -73,7 +74,7 @@ impl Cmd {
         self
     }
 
-    /// The same, ended after this many seconds.
+    /// The same command with a time limit in seconds, after which it is stopped and counts as failed.
     #[must_use]
     pub fn within(mut self, seconds: u32) -> Self {
         let program = std::mem::replace(&mut self.program, "timeout".into());
@@ -88,20 +89,20 @@ impl Cmd {
         command
     }
 
-    /// Runs it quietly and returns its standard output.
+    /// Runs the command without printing anything and returns its standard output.
     ///
     /// # Errors
-    /// It cannot be started, or it ends badly: then its error output is in the message.
+    /// The program cannot be started, or fails; then the error has its error output.
     pub fn read(&self) -> Result<String> {
         let output = self.build().output().map_err(self.start_error())?;
         self.check(output.status, &String::from_utf8_lossy(&output.stderr))?;
         Ok(String::from_utf8_lossy(&output.stdout).into_owned())
     }
 
-    /// Runs it quietly and returns its standard output and error output, one behind the other.
+    /// Runs the command without printing anything and returns its standard output followed by its error output.
     ///
     /// # Errors
-    /// It cannot be started, or it ends badly: then both are in the message.
+    /// The program cannot be started, or fails; then the error has both outputs.
     pub fn read_all(&self) -> Result<String> {
         let output = self.build().output().map_err(self.start_error())?;
         let text = [output.stdout, output.stderr].concat();
@@ -110,15 +111,16 @@ impl Cmd {
         Ok(text)
     }
 
-    /// Runs it quietly: did it succeed?
+    /// Runs the command without printing anything and returns whether it succeeded.
     pub fn succeeds(&self) -> bool {
         self.build().output().is_ok_and(|output| output.status.success())
     }
 
-    /// Runs it on this terminal and also hands each line of its standard output to `look`.
+    /// Runs the command with its output on this terminal, and also calls `look` with each line of its standard
+    /// output.
     ///
     /// # Errors
-    /// It cannot be started, or it ends badly.
+    /// The program cannot be started, or fails.
     pub fn run_watched(&self, mut look: impl FnMut(&str)) -> Result<()> {
         let mut child = self.build().stdout(Stdio::piped()).spawn().map_err(self.start_error())?;
         if let Some(stdout) = child.stdout.take() {
@@ -126,7 +128,7 @@ impl Cmd {
             // Tests may print any bytes, so lines are not assumed to be UTF-8.
             for line in BufReader::new(stdout).split(b'\n').map_while(std::result::Result::ok) {
                 look(&String::from_utf8_lossy(&line));
-                // A closed pipe on our side must not stop the tests.
+                // Errors are ignored: a closed terminal must not stop the tests.
                 let _ = terminal.write_all(&line).and_then(|()| terminal.write_all(b"\n"));
                 let _ = terminal.flush();
             }
@@ -162,7 +164,7 @@ impl fmt::Display for Cmd {
     }
 }
 
-/// Quotes `text` for a POSIX shell where it must be.
+/// Quotes `text` for a POSIX shell if it needs quotes.
 fn quoted(text: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_=+./:,@%".contains(c);
     if !text.is_empty() && text.chars().all(plain) { text.into() } else { format!("'{}'", text.replace('\'', r"'\''")) }

@@ -1,9 +1,8 @@
-//! `cargo xtask counts`: instructions of the trainer's parts, counted by valgrind's callgrind.
+//! `cargo xtask counts`: instruction counts of the trainer's parts, measured by valgrind's callgrind.
 //!
-//! Valgrind shows every program the same made-up processor, one with AVX2, and counts what the program executes: on
-//! any computer with AVX2 the counts are the same, to the instruction, as long as the compiler is.
+//! Valgrind runs every program on the same simulated processor, which has AVX2, and counts the instructions that are
+//! executed. So the counts are exactly the same on every computer with AVX2, as long as the compiler is the same.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -11,17 +10,16 @@ use serde::{Deserialize, Serialize};
 use crate::command::Cmd;
 use crate::document;
 use crate::error::{Error, Result};
+use crate::figures::{self, grouped, is_close};
 use crate::setup::{self, Item};
-use crate::targets::row::grouped;
 use crate::workspace;
 
-/// What must be installed.
+/// What must be installed to count instructions.
 pub const NEEDS: &[Item] = &[Item::Valgrind];
 
-/// How far a count may be from the committed one, in hundredths: compilers differ.
-const TOLERANCE: u64 = 3;
-/// The same work in a large world and in the default one: at most this many times the instructions an agent-step.
+/// The largest ratio of instructions per agent-step between a large world and the default one.
 const GROWTH: u64 = 2;
+/// Pairs of parts that do the same work in a large world and in the default one.
 const GROWING: [(&str, &str); 2] = [("environment_980", "environment_20"), ("flight_500", "flight_20")];
 
 /// Options of `cargo xtask counts`.
@@ -35,21 +33,21 @@ pub struct Args {
     bless: bool,
 }
 
-/// A part of the trainer's work.
+/// The instruction count of one part of the trainer.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Count {
-    /// Its name in the example `counted` of covey-net.
+    /// Name of the part in the example `counted` of covey-net.
     part: String,
-    /// What was done, agent-steps or samples.
+    /// How much was done: agent-steps, or samples of training.
     agent_steps: u64,
-    /// What it took.
+    /// Instructions that it took.
     instructions: u64,
 }
 
-/// Counts every part and checks the counts.
+/// Counts the instructions of every part and checks the counts.
 ///
 /// # Errors
-/// A build or a run failed, or a count is not what it should be: all such counts are named.
+/// A build or a run failed, or counts are not what they should be; the error names all of them.
 pub fn main(args: &Args) -> Result<()> {
     if !has_avx2() {
         println!("left out: the counts are of the code for AVX2 and FMA, which this processor does not have");
@@ -58,19 +56,16 @@ pub fn main(args: &Args) -> Result<()> {
     setup::install(NEEDS)?;
     let counts = measure()?;
     if args.json {
-        println!("{}", json(&counts));
+        println!("{}", figures::json(&counts));
     } else {
         println!("{}", table(&counts));
     }
     let path = workspace::root().join("docs/counts.json");
     if args.bless {
-        fs::write(&path, json(&counts) + "\n").map_err(Error::file(&path))?;
+        figures::write(&path, &counts)?;
         document::replace_table("docs/performance.md", "counts", &table(&counts))?;
     }
-    let text = fs::read_to_string(&path).map_err(Error::file(&path))?;
-    let committed: Vec<Count> = serde_json::from_str(&text)
-        .map_err(|error| Error::Setup(format!("{}: {error}; write it with --bless", path.display())))?;
-    let complaints = complaints(&counts, &committed);
+    let complaints = complaints(&counts, &figures::read(&path)?);
     if complaints.is_empty() {
         eprintln!("counts: every count is within its limits");
         return Ok(());
@@ -78,6 +73,7 @@ pub fn main(args: &Args) -> Result<()> {
     Err(Error::Figures(complaints.join("\n") + "\nafter a deliberate change: cargo xtask counts --bless"))
 }
 
+/// Whether this processor can run the code that is counted.
 fn has_avx2() -> bool {
     #[cfg(target_arch = "x86_64")]
     return is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
@@ -94,6 +90,7 @@ fn measure() -> Result<Vec<Count>> {
     parts.lines().map(|part| count(&program, part)).collect()
 }
 
+/// Counts the instructions of one part.
 fn count(program: &Path, part: &str) -> Result<Count> {
     eprintln!("counts: {part}");
     let command = Cmd::new("valgrind")
@@ -106,16 +103,16 @@ fn count(program: &Path, part: &str) -> Result<Count> {
         .ok_or_else(|| Error::Output { command: command.to_string(), printed })
 }
 
-/// Agent-steps and instructions from what the program and valgrind print.
+/// Reads agent-steps and instructions from the output of the program and of valgrind.
 fn read(printed: &str) -> Option<(u64, u64)> {
     let agent_steps = printed.lines().find_map(|line| line.parse().ok())?;
     let (_, collected) = printed.split_once("Collected : ")?;
     let instructions = collected.split_whitespace().next()?.parse().ok()?;
-    // Nothing is counted when the function that is counted has another name.
+    // Valgrind counts nothing if there is no function of the name that it was given.
     (agent_steps > 0 && instructions > 0).then_some((agent_steps, instructions))
 }
 
-/// Everything that is wrong with the counts, each in a line.
+/// Compares the counts with the committed ones and returns a line for each difference.
 fn complaints(counts: &[Count], committed: &[Count]) -> Vec<String> {
     let mut found = Vec::new();
     for now in counts {
@@ -124,7 +121,7 @@ fn complaints(counts: &[Count], committed: &[Count]) -> Vec<String> {
                 "{}: {} agent-steps, committed {}: the work is not the same",
                 now.part, now.agent_steps, then.agent_steps
             )),
-            Some(then) if 100 * now.instructions.abs_diff(then.instructions) > TOLERANCE * then.instructions => {
+            Some(then) if !is_close(now.instructions, then.instructions) => {
                 found.push(format!(
                     "{}: {} instructions, committed {}",
                     now.part,
@@ -150,12 +147,6 @@ fn complaints(counts: &[Count], committed: &[Count]) -> Vec<String> {
         }
     }
     found
-}
-
-/// The counts as a JSON array.
-fn json(counts: &[Count]) -> String {
-    // Plain structs of numbers and text always serialise.
-    serde_json::to_string_pretty(counts).unwrap_or_default()
 }
 
 /// The counts as a Markdown table.

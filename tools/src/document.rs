@@ -1,25 +1,28 @@
-//! Tables in documents that commands write.
+//! Tables in Markdown documents that commands of `cargo xtask` write.
 
 use std::fs;
 
 use crate::error::{Error, Result};
 use crate::workspace;
 
+/// The comment after a table.
 const END: &str = "<!-- end of table -->\n";
 
-/// Puts `table` into the place in `document`, a path from the workspace root, that is kept for
-/// `cargo xtask {task} --bless`.
+/// Replaces the table of `cargo xtask {task} --bless` in `document`, a path from the workspace root. The table stands
+/// between two comments, which stay.
 ///
 /// # Errors
-/// The document cannot be read or written, or has no place for the table.
+/// The document cannot be read or written, or the comments are missing.
 pub fn replace_table(document: &str, task: &str, table: &str) -> Result<()> {
     let path = workspace::root().join(document);
     let text = fs::read_to_string(&path).map_err(Error::file(&path))?;
-    let text = replaced(&text, task, table)
-        .ok_or_else(|| Error::Setup(format!("{}: the comments around the table are gone", path.display())))?;
+    let text = replaced(&text, task, table).ok_or_else(|| {
+        Error::content(&path, format!("the comments around the table of `cargo xtask {task}` are missing"))
+    })?;
     fs::write(&path, text).map_err(Error::file(&path))
 }
 
+/// The text of a document with another table; `None` where the comments around the table are missing.
 fn replaced(text: &str, task: &str, table: &str) -> Option<String> {
     let begin = format!("<!-- table: written by `cargo xtask {task} --bless` -->\n");
     let (before, rest) = text.split_once(&begin)?;

@@ -1,4 +1,4 @@
-//! What can go wrong in `cargo xtask`; each message says what to do next.
+//! The errors of `cargo xtask`. Each message says what was wrong and what to do next.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -16,10 +16,10 @@ pub enum Error {
     Start {
         /// The whole command, as one would type it.
         command: String,
-        /// The operating system's word.
+        /// The operating system's reason.
         source: io::Error,
     },
-    /// A program ended badly.
+    /// A program ended with a failure.
     #[error("failed ({status}): {command}{output}")]
     Failed {
         /// The whole command, as one would type it.
@@ -34,16 +34,16 @@ pub enum Error {
     File {
         /// The file.
         path: PathBuf,
-        /// The operating system's word.
+        /// The operating system's reason.
         source: io::Error,
     },
     /// Packages are missing and only root may install them.
     #[error("installing packages needs root and sudo would ask for a password; run this, then try again:\n  {command}")]
     NeedsRoot {
-        /// What the user should run.
+        /// The command that the user should run.
         command: String,
     },
-    /// The machine has no apt-get.
+    /// The computer has no apt-get.
     #[error(
         "this machine has no apt-get; install what these Debian packages hold with its own package manager, then try again:\n  {packages}"
     )]
@@ -57,47 +57,45 @@ pub enum Error {
         /// Names of the missing items.
         names: String,
     },
-    /// An unknown name on the command line.
+    /// A name on the command line is unknown.
     #[error("there is no {kind} `{name}`; known: {known}")]
     Unknown {
-        /// What kind of thing was named.
+        /// What the name should be of, such as `step`.
         kind: &'static str,
         /// The name as given.
         name: String,
         /// All valid names.
         known: String,
     },
-    /// Something was installed but still does not work.
+    /// Something was installed but still does not work; the text says what.
     #[error("{0}")]
     Setup(String),
-    /// A program printed something else than expected.
-    #[error("{command}\nprinted what makes no sense here:\n{printed}")]
+    /// An emulated board did not do what it should; the text says what it did.
+    #[error("{0}")]
+    Board(String),
+    /// The output of a program could not be understood.
+    #[error("{command}\nprinted something that was not expected here:\n{printed}")]
     Output {
         /// The whole command, as one would type it.
         command: String,
         /// What it printed.
         printed: String,
     },
-    /// An executable is not what it should be.
+    /// A file that can be read does not hold what it should.
     #[error("{}: {what}", path.display())]
-    Elf {
-        /// The executable.
-        path: PathBuf,
-        /// What is wrong.
-        what: String,
-    },
-    /// An actor file that cannot be used.
-    #[error("{}: {reason}", path.display())]
-    Actor {
+    Content {
         /// The file.
         path: PathBuf,
         /// What is wrong with it and what to do.
-        reason: String,
+        what: String,
     },
-    /// Figures that are not what they should be, one a line.
+    /// Circles of source files, and dependencies between crates that are not in the document, one a line.
+    #[error("dependencies that should not be:\n{0}")]
+    Modules(String),
+    /// Measured figures that are not what they should be, one a line.
     #[error("figures that are not what they should be:\n{0}")]
     Figures(String),
-    /// The PIL protocol failed.
+    /// the PIL protocol failed.
     #[error("the link to the board: {0}")]
     Link(#[from] covey_pil::PilError),
     /// Flashing failed.
@@ -106,20 +104,15 @@ pub enum Error {
     /// The emulated board does not run.
     #[error(transparent)]
     Qemu(#[from] covey_pil::qemu::QemuError),
-    /// A failure whose full account stands on the terminal already.
+    /// A failure that has been reported on the terminal already.
     #[error("failed, see above")]
     Reported,
 }
 
 impl Error {
-    /// What is wrong with an actor file.
-    pub fn actor(path: &Path, reason: String) -> Self {
-        Self::Actor { path: path.into(), reason }
-    }
-
-    /// Something about an executable.
-    pub fn elf(path: &Path, what: String) -> Self {
-        Self::Elf { path: path.into(), what }
+    /// Says what is wrong with the content of a file.
+    pub fn content(path: &Path, what: String) -> Self {
+        Self::Content { path: path.into(), what }
     }
 
     /// Wraps an I/O error with the file it is about.

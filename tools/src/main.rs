@@ -1,10 +1,12 @@
-//! `cargo xtask`: set-up, the whole test run, target images, sizes and costs of Covey.
+//! `cargo xtask`: the commands that set up, test, build for targets, measure and flash Covey.
 
 mod command;
 mod counts;
 mod document;
 mod error;
+mod figures;
 mod flash;
+mod modules;
 mod setup;
 mod size;
 mod targets;
@@ -15,7 +17,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-/// Set-up and tests of Covey.
+/// Sets up, tests, builds for targets, measures and flashes Covey.
 #[derive(Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", version)]
 enum Xtask {
@@ -25,11 +27,13 @@ enum Xtask {
     Targets(targets::Args),
     /// Count the instructions of the trainer's parts under valgrind and check the counts.
     Counts(counts::Args),
-    /// Tell what an actor file takes on a flight controller, and whether it fits.
+    /// Print flash, RAM and instructions of an actor file on a flight controller, and whether it fits.
     Size(size::Args),
     /// Put the program and an actor file on a board, or the node and the file on a computer.
     Flash(flash::Args),
-    /// Run every check and test, after setting up what they need.
+    /// Check that no source files depend on each other in a circle, and the dependencies between the crates.
+    Modules(modules::Args),
+    /// Run every check and test, after installing what they need.
     Test(test::Args),
 }
 
@@ -40,11 +44,12 @@ fn main() -> ExitCode {
         Xtask::Counts(args) => counts::main(&args),
         Xtask::Size(args) => size::main(&args),
         Xtask::Flash(args) => flash::main(&args),
+        Xtask::Modules(args) => modules::main(&args),
         Xtask::Test(args) => test::main(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        // The account of a test run ends with its count, so nothing follows it.
+        // The output of a test run ends with the count of its tests, so nothing is printed after it.
         Err(error::Error::Reported) => ExitCode::FAILURE,
         Err(error) => {
             eprintln!("error: {error}");

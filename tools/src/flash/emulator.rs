@@ -1,7 +1,8 @@
-//! QEMU's boards: the same program and file, for real, without hardware.
+//! The boards that QEMU emulates: they run the same program and actor file as a real board.
 
+use super::actor_file::ActorFile;
+use super::progress::say;
 use super::serial::verify;
-use super::{ActorFile, say};
 use crate::error::Result;
 use crate::setup;
 use crate::targets::artefacts::{Board, Image};
@@ -10,10 +11,11 @@ use crate::targets::{NEEDS, qemu::Machine};
 
 pub use crate::targets::qemu::Machine::{CortexM4f as M4F, CortexM7 as M7};
 
-/// Starts the program with this actor file in its flash and checks over the PIL protocol that it flies it.
+/// Starts the flight program in QEMU with the actor file in its flash, and checks over the PIL protocol that it runs
+/// this actor and computes what this computer computes. With `dry_run` it only prints the command.
 ///
 /// # Errors
-/// A build failed, or the board does not compute what this computer does.
+/// A build failed, QEMU does not start, or the emulated board computes something else.
 pub fn flash(machine: Machine, actor: &ActorFile, dry_run: bool) -> Result<()> {
     if dry_run {
         say("would run, after building the program for it:");

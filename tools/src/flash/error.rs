@@ -1,4 +1,4 @@
-//! What can go wrong when flashing; each with the next thing to do.
+//! The errors of flashing. Each message says what to do next.
 
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 /// Why something could not be flashed.
 #[derive(Debug, thiserror::Error)]
 pub enum FlashError {
-    /// probe-rs is not there.
+    /// probe-rs is not installed.
     #[error("probe-rs is not installed; get it with:\n  cargo install probe-rs-tools --locked")]
     NoProbeRs,
     /// No probe is connected.
@@ -14,22 +14,22 @@ pub enum FlashError {
         "no debug probe found; connect the board's ST-LINK connector (CN1) to this computer with a cable that carries data, and see whether `probe-rs list` shows it"
     )]
     NoProbe,
-    /// A probe is connected, but may not be opened.
+    /// A probe is connected, but the user is not allowed to open it.
     #[error(
         "a debug probe is connected, but you may not use it; install the udev rules of https://probe.rs/docs/getting-started/probe-setup, then:\n  sudo udevadm control --reload && sudo udevadm trigger\nand plug it in again"
     )]
     NoPermission,
-    /// The chip is another one.
+    /// The chip on the board is not the one that the image is for.
     #[error(
         "the chip on this board is not an STM32H743 or STM32H753: its device id is {found:#05x}, theirs {expected:#05x}; choose the right --board, or connect the right one"
     )]
     WrongChip {
-        /// Its device id.
+        /// Device id of the chip on the board.
         found: u32,
         /// Device id of the chip that the image is for.
         expected: u32,
     },
-    /// The file is not an actor that may fly.
+    /// The file is not a valid actor file, or its self-test fails.
     #[error("{}: {reason}", path.display())]
     WrongFile {
         /// The file.
@@ -42,53 +42,53 @@ pub enum FlashError {
         "`{command}` failed; is the board powered, and does nothing else (a debugger, an IDE) use its probe?\n{output}"
     )]
     Probe {
-        /// What was run.
+        /// The command that failed.
         command: String,
-        /// What it said.
+        /// Its output.
         output: String,
     },
     /// The other computer cannot be reached.
     #[error("cannot reach {host} by ssh without a password; try `ssh {host} true`, and `ssh-copy-id {host}`\n{output}")]
     NoHost {
-        /// user@host.
+        /// The computer, as user@host.
         host: String,
-        /// What ssh said.
+        /// The output of ssh.
         output: String,
     },
-    /// The other computer is of a kind that no node is built for.
+    /// No node is built for the processor of the other computer.
     #[error("{host} is a {machine}; nodes are built for aarch64 and x86_64")]
     WrongMachine {
-        /// user@host.
+        /// The computer, as user@host.
         host: String,
-        /// What it calls itself.
+        /// Its processor, as `uname -m` prints it.
         machine: String,
     },
-    /// The target computes otherwise.
+    /// The target computes another signature than this computer.
     #[error(
         "the actor's signature is {found} on {place}, but {expected:016x} here: do not fly it there; flash again, and check its memory"
     )]
     Signature {
-        /// The board or computer.
+        /// The name of the board or computer.
         place: String,
-        /// What it computed.
+        /// The signature that it computed, in hexadecimal digits.
         found: String,
-        /// What is right.
+        /// The signature that this computer computed.
         expected: u64,
     },
     /// The board runs another actor.
     #[error("{place} runs actor {found:016x}, not {expected:016x}; flash it again, or reset it")]
     OtherActor {
-        /// The board.
+        /// The name of the board.
         place: String,
-        /// Its actor's content hash.
+        /// Content hash of the actor on the board.
         found: u64,
-        /// That of the file.
+        /// Content hash of the actor in the file.
         expected: u64,
     },
 }
 
 impl FlashError {
-    /// A file that is no actor that may fly.
+    /// Wraps the reason why a file is not a valid actor file.
     pub fn wrong_file(path: &Path, reason: &dyn Display) -> Self {
         Self::WrongFile { path: path.into(), reason: reason.to_string() }
     }

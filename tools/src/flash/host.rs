@@ -1,6 +1,8 @@
-//! Companion computers, by ssh: the node, the actor file and a service that starts them.
+//! Installing the node, the actor file and a service that starts them on a companion computer, by ssh.
 
-use super::{ActorFile, FlashError, say};
+use super::actor_file::ActorFile;
+use super::error::FlashError;
+use super::progress::say;
 use crate::command::Cmd;
 use crate::error::{Error, Result};
 use crate::setup;
@@ -8,12 +10,12 @@ use crate::targets::NEEDS;
 use crate::targets::artefacts::Node;
 use crate::workspace;
 
-/// Folder in the user's home there.
+/// Folder for the node and the actor file, in the user's home on the companion computer.
 const FOLDER: &str = "covey";
-/// The service's description, in the source tree.
+/// The systemd unit of the service, as a path from the workspace root.
 const UNIT: &str = "sitl-bridge/covey.service";
 
-/// A computer that ssh reaches.
+/// A companion computer that is reached by ssh.
 pub struct Host {
     name: String,
     ssh: String,
@@ -21,19 +23,22 @@ pub struct Host {
 }
 
 impl Host {
-    /// `name` is user@host; `ssh` and `scp` are the programs.
+    /// The computer `name` (user@host), reached with these two programs.
     pub fn new(name: &str, ssh: &str, scp: &str) -> Self {
         Self { name: name.into(), ssh: ssh.into(), scp: scp.into() }
     }
 
-    /// Installs the node with this actor, and checks its signature over `cases` neighbourhoods there.
+    /// Installs the node, the actor file and the service, after it has checked that the computer gets the same
+    /// signature over `cases` neighbourhoods as this one. With `dry_run` it only prints the commands.
     ///
     /// # Errors
-    /// See [`FlashError`]; or the build failed.
+    /// The computer cannot be reached, no node is built for its processor, its signature differs, or the build
+    /// failed.
     pub fn install(&self, actor: &ActorFile, cases: u32, dry_run: bool) -> Result<()> {
         let unit = workspace::root().join(UNIT);
         let place = |file: &str| format!("{}:{FOLDER}/{file}.new", self.name);
-        // Whole files replace the old ones in one move, also while the node runs.
+        // The files are copied beside the old ones and moved over them at the end, so the node is never half
+        // replaced, even while it runs.
         let uploads = |node: &str| {
             [
                 self.shell(&format!("mkdir -p {FOLDER} .config/systemd/user")),
@@ -86,21 +91,25 @@ impl Host {
         Ok(())
     }
 
+    /// The command that asks for the computer's processor.
     fn machine(&self) -> Cmd {
         self.shell("uname -m")
     }
 
+    /// A shell command on the computer.
     fn shell(&self, command: &str) -> Cmd {
         Cmd::new(&self.ssh).args(["-o", "BatchMode=yes", &self.name, command])
     }
 
+    /// The command that copies a file of this computer to `to`, as scp names it.
     fn copy(&self, file: &str, to: &str) -> Cmd {
         Cmd::new(&self.scp).args(["-q", "-o", "BatchMode=yes", file, to])
     }
 
+    /// Runs a command of ssh or scp and returns its output.
     fn run(&self, command: &Cmd) -> Result<String> {
         command.read().map_err(|error| match error {
-            // ssh's own failures end with 255, all others are the command's.
+            // Exit status 255 is a failure of ssh itself, every other one comes from the command on the computer.
             Error::Failed { status, output, .. } if status.ends_with(": 255") => {
                 FlashError::NoHost { host: self.name.clone(), output: output.trim().into() }.into()
             }

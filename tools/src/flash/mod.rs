@@ -1,21 +1,24 @@
 //! `cargo xtask flash`: puts the program and an actor file on a board, or the node and the file on a computer.
 
+mod actor_file;
 mod emulator;
 mod error;
 mod host;
 mod probe;
+mod progress;
 mod serial;
 #[cfg(test)]
 mod test_support;
 
-use std::fs;
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use firmware_core::actor::{self, Actor, FINGERPRINT_CASES};
+use firmware_core::actor::FINGERPRINT_CASES;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
+use actor_file::ActorFile;
 pub use error::FlashError;
+use progress::say;
 
 /// Options of `cargo xtask flash`.
 #[derive(clap::Args)]
@@ -41,7 +44,7 @@ pub struct Args {
     dry_run: bool,
 }
 
-/// A board that can be flashed.
+/// A board that can be flashed, real or emulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Board {
     /// ST's NUCLEO-H743ZI and -H743ZI2, by probe-rs over their USB connector.
@@ -52,33 +55,10 @@ enum Board {
     QemuM4f,
 }
 
-/// A sound actor file.
-struct ActorFile {
-    path: PathBuf,
-    content_hash: u64,
-    bytes: Vec<u8>,
-}
-
-impl ActorFile {
-    fn read(path: &PathBuf) -> Result<Self> {
-        let bytes = fs::read(path).map_err(Error::file(path))?;
-        let actor = Actor::load(&bytes).map_err(|reason| FlashError::wrong_file(path, &reason))?;
-        actor.self_test().map_err(|reason| FlashError::wrong_file(path, &reason))?;
-        let content_hash = actor.content_hash();
-        Ok(Self { path: path.clone(), content_hash, bytes })
-    }
-
-    /// The signature over this many neighbourhoods, computed here.
-    fn signature(&self, cases: u32) -> Result<u64> {
-        let actor = Actor::load(&self.bytes).map_err(|reason| FlashError::wrong_file(&self.path, &reason))?;
-        Ok(actor::fingerprint(&actor, cases))
-    }
-}
-
-/// Flashes, and checks what it can.
+/// Checks the actor file, flashes it, and checks that the target runs it.
 ///
 /// # Errors
-/// See [`FlashError`]; or a build failed.
+/// The file is not a valid actor file, flashing failed (see [`FlashError`]), or a build failed.
 pub fn main(args: &Args) -> Result<()> {
     let actor = ActorFile::read(&args.actor)?;
     say(&format!("{}: sound, actor {:016x}", actor.path.display(), actor.content_hash));
@@ -93,12 +73,7 @@ pub fn main(args: &Args) -> Result<()> {
         (Some(Board::QemuM7), _) => emulator::flash(emulator::M7, &actor, args.dry_run),
         (Some(Board::QemuM4f), _) => emulator::flash(emulator::M4F, &actor, args.dry_run),
         (None, Some(host)) => host::Host::new(host, "ssh", "scp").install(&actor, FINGERPRINT_CASES, args.dry_run),
-        // The argument group asks for one of them.
+        // The argument group requires one of the two.
         (None, None) => Ok(()),
     }
-}
-
-/// One line of progress.
-fn say(text: &str) {
-    println!("flash: {text}");
 }

@@ -1,35 +1,40 @@
-//! Boards with a debug probe, by probe-rs.
+//! Flashing boards that have a debug probe, by the program probe-rs.
 
-use super::{ActorFile, FlashError, say};
+use super::actor_file::ActorFile;
+use super::error::FlashError;
+use super::progress::say;
 use crate::command::Cmd;
 use crate::error::{Error, Result};
 use crate::setup::{self, Item};
 use crate::targets::artefacts::{Board, Image};
 
-/// probe-rs's name of the chip on NUCLEO-H743ZI and -H743ZI2.
+/// The name that probe-rs uses for the chip on NUCLEO-H743ZI and -H743ZI2.
 const CHIP: &str = "STM32H743ZITx";
-/// Where these chips tell their device id (DBGMCU_IDC), and what STM32H743 and STM32H753 say (RM0433, section 60.5.8).
+/// Address of the register with the chip's device id (DBGMCU_IDC; RM0433, section 60.5.8).
 const ID_ADDRESS: &str = "0x5c001000";
+/// The bits of that register that are the device id.
 const ID_MASK: u32 = 0xfff;
+/// The device id of STM32H743 and STM32H753.
 const ID: u32 = 0x450;
-/// Where the image looks for its actor file; see its memory map.
+/// Flash address of the actor file, as in `firmware-core/image/memory/stm32h743.x`.
 const ACTOR_ADDRESS: &str = "0x080e0000";
 
-/// probe-rs.
+/// The program probe-rs.
 pub struct Probe {
     program: String,
 }
 
 impl Probe {
-    /// By this name or path.
+    /// Uses the probe-rs of this name or path.
     pub fn new(program: &str) -> Self {
         Self { program: program.into() }
     }
 
-    /// Builds the program, and writes it and the actor file.
+    /// Builds the flight program and writes it (unless `actor_only`) and the actor file to the board's flash. With
+    /// `dry_run` it only prints the commands.
     ///
     /// # Errors
-    /// See [`FlashError`]; or the build failed.
+    /// There is no probe that can be used, the chip is another one, writing failed, or the build failed.
     pub fn flash(&self, actor: &ActorFile, actor_only: bool, dry_run: bool) -> Result<()> {
         let write_actor = self
             .probe_rs(&["download", "--chip", CHIP, "--verify", "--binary-format", "bin"])
@@ -60,7 +65,7 @@ impl Probe {
         Ok(())
     }
 
-    /// Checks that there is a board with the right chip.
+    /// Checks that a board with the right chip is connected.
     fn find_board(&self) -> Result<()> {
         say("looking for the board");
         let list = self.run(&self.list())?;
@@ -70,10 +75,12 @@ impl Probe {
         }
     }
 
+    /// The command that lists the connected probes.
     fn list(&self) -> Cmd {
         self.probe_rs(&["list"])
     }
 
+    /// The command that reads the register with the device id.
     fn read_id(&self) -> Cmd {
         self.probe_rs(&["read", "--chip", CHIP, "b32", ID_ADDRESS, "1"])
     }
@@ -82,7 +89,7 @@ impl Probe {
         Cmd::new(&self.program).args(args)
     }
 
-    /// Runs a command and returns all it printed.
+    /// Runs a command of probe-rs and returns its output.
     fn run(&self, command: &Cmd) -> Result<String> {
         command.read_all().map_err(|error| match error {
             Error::Start { .. } => FlashError::NoProbeRs.into(),
@@ -94,7 +101,7 @@ impl Probe {
     }
 }
 
-/// What probe-rs's words mean, if they mean that there is no probe to use.
+/// The error that the output of probe-rs stands for, if it says that there is no probe that can be used.
 fn complaint(output: &str) -> Option<FlashError> {
     let words = output.to_lowercase();
     let says = |phrases: &[&str]| phrases.iter().any(|phrase| words.contains(phrase));
@@ -107,7 +114,7 @@ fn complaint(output: &str) -> Option<FlashError> {
     }
 }
 
-/// Checks the device id among the words that `probe-rs read` printed.
+/// Checks the device id in the output of `probe-rs read`.
 fn check_id(output: &str) -> std::result::Result<(), FlashError> {
     let words = output.split_whitespace().map(|word| word.trim_start_matches("0x"));
     let id = words.filter(|word| word.len() == 8).find_map(|word| u32::from_str_radix(word, 16).ok());
@@ -123,7 +130,7 @@ mod tests {
     use super::super::test_support::{Script, sample};
     use super::*;
 
-    /// A probe-rs that prints for `list` and `read` what is given, and notes how it was called.
+    /// A stand-in for probe-rs that runs the given commands for `list` and `read`, and logs its arguments.
     fn fake(list: &str, read: &str) -> Script {
         Script::new(&format!(
             r#"echo "$@" >> "$0.log"

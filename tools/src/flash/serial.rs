@@ -1,4 +1,4 @@
-//! Asking a board over the PIL protocol what it runs.
+//! Checking over the PIL protocol what a board runs.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Read, Write};
@@ -7,23 +7,28 @@ use std::time::Duration;
 
 use covey_pil::{Client, Options};
 
-use super::{ActorFile, FlashError, say};
+use super::actor_file::ActorFile;
+use super::error::FlashError;
+use super::progress::say;
 use crate::command::Cmd;
 use crate::error::{Error, Result};
 
-/// The board's speed, bit/s.
+/// Speed of the board's serial port, bit/s.
 const BAUD: &str = "921600";
-/// Neighbourhoods that a board signs: enough to tell, quick on a slow clock.
+/// Neighbourhoods in the signature: enough to find a difference, and few enough for a slow board.
 const CASES: u32 = 1000;
+/// Neighbourhoods that the board computes for one request.
 const CHUNK: u16 = 100;
+/// Time limit and attempts of a request over a serial port.
 const OPTIONS: Options = Options { timeout: Duration::from_secs(5), attempts: 3 };
 
-/// Checks over a serial port that the board runs this actor and computes what this computer does.
+/// Checks over a serial port that the board runs this actor and computes what this computer computes. With `dry_run`
+/// it only prints how the port would be set up.
 ///
 /// # Errors
-/// The port cannot be used, or the board does not.
+/// The port cannot be opened, the board does not answer, runs another actor, or computes another signature.
 pub fn check(actor: &ActorFile, port: &Path, dry_run: bool) -> Result<()> {
-    // Raw bytes; a read returns after a tenth of a second without any.
+    // The port carries raw bytes, and a read returns after a tenth of a second in which nothing came.
     let stty = Cmd::new("stty").arg("-F").arg(port).args([BAUD, "raw", "-echo", "min", "0", "time", "1"]);
     if dry_run {
         println!("  {stty}");
@@ -34,10 +39,11 @@ pub fn check(actor: &ActorFile, port: &Path, dry_run: bool) -> Result<()> {
     verify(&mut Client::new(Port(file), OPTIONS), &port.display().to_string(), actor)
 }
 
-/// Checks that the board at the other end runs this actor and computes what this computer does.
+/// Checks that the board at the other end of the link runs this actor and computes what this computer computes.
+/// `place` is its name in messages.
 ///
 /// # Errors
-/// It does not, or does not answer.
+/// The board does not answer, runs another actor, or computes another signature.
 pub fn verify<S: Read + Write>(board: &mut Client<S>, place: &str, actor: &ActorFile) -> Result<()> {
     let report = board.self_test()?;
     let expected = actor.content_hash;
@@ -58,7 +64,7 @@ pub fn verify<S: Read + Write>(board: &mut Client<S>, place: &str, actor: &Actor
     Ok(())
 }
 
-/// A serial port, of which a read without bytes is no end.
+/// A serial port. A read without any bytes means that nothing came in time, not that the port has ended.
 struct Port(File);
 
 impl Read for Port {

@@ -1,4 +1,4 @@
-//! Debian packages.
+//! Installing Debian packages.
 
 use std::io::IsTerminal as _;
 use std::thread;
@@ -8,14 +8,15 @@ use crate::command::Cmd;
 use crate::error::{Error, Result};
 use crate::workspace::find_program;
 
-/// How long to wait in all for another package manager to let go of its lock.
+/// How often to try again while another package manager holds the lock.
 const LOCK_TRIES: u32 = 60;
+/// How long to wait before each of these tries.
 const LOCK_PAUSE: Duration = Duration::from_secs(5);
 
-/// Installs `packages`, with one retry should a download or dpkg stumble.
+/// Installs `packages`. When that fails it is tried once more.
 ///
 /// # Errors
-/// There is no apt-get, we may not install, or the installation failed twice.
+/// There is no apt-get, the user is not allowed to install packages, or the installation failed twice.
 pub fn install(packages: &[&str]) -> Result<()> {
     if find_program(&["apt-get"]).is_none() {
         return Err(Error::NotDebian { packages: packages.join(" ") });
@@ -27,8 +28,8 @@ pub fn install(packages: &[&str]) -> Result<()> {
             |command: &Cmd| if permitted == Permission::Sudo { command.clone().into_root() } else { command.clone() };
         eprintln!("setup: {}", as_root(&install));
         return twice(|| {
-            patiently(&as_root(&update))?;
-            patiently(&as_root(&install))
+            run_when_unlocked(&as_root(&update))?;
+            run_when_unlocked(&as_root(&install))
         });
     }
     let by_hand =
@@ -36,17 +37,21 @@ pub fn install(packages: &[&str]) -> Result<()> {
     Err(Error::NeedsRoot { command: by_hand })
 }
 
+/// A command of apt-get that asks no questions.
 fn apt_get(verb: &str) -> Cmd {
     Cmd::new("apt-get").args(["-q", "-o", "DPkg::Lock::Timeout=300", verb]).env("DEBIAN_FRONTEND", "noninteractive")
 }
 
+/// How a command can be run as root.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Permission {
+    /// The user is root.
     Root,
+    /// By sudo.
     Sudo,
 }
 
-/// How we may become root; none when only the user can help.
+/// How commands can be run as root; `None` where sudo is missing, or would ask for a password without a terminal.
 fn permission() -> Result<Option<Permission>> {
     if Cmd::new("id").arg("-u").read()?.trim() == "0" {
         return Ok(Some(Permission::Root));
@@ -56,7 +61,10 @@ fn permission() -> Result<Option<Permission>> {
     Ok(sudo.then_some(Permission::Sudo))
 }
 
-/// Tries `action` a second time when it fails.
+/// Runs `action`, and once more when it fails.
+///
+/// # Errors
+/// The second run failed.
 pub fn twice<T>(mut action: impl FnMut() -> Result<T>) -> Result<T> {
     action().or_else(|error| {
         eprintln!("setup: {error}\nsetup: once more");
@@ -64,9 +72,9 @@ pub fn twice<T>(mut action: impl FnMut() -> Result<T>) -> Result<T> {
     })
 }
 
-/// Runs `command`, and waits as long as another package manager holds the lock: apt's own time-out does not cover
-/// the lock of the package lists.
-fn patiently(command: &Cmd) -> Result<()> {
+/// Runs `command`, and again while another package manager holds the lock: apt's own time-out does not cover the lock
+/// of the package lists.
+fn run_when_unlocked(command: &Cmd) -> Result<()> {
     let mut tries = 0;
     loop {
         match command.read() {

@@ -1,4 +1,4 @@
-//! The things that set-up knows to look for and to install.
+//! The things that `cargo xtask setup` can find and install.
 
 use clap::ValueEnum;
 
@@ -7,7 +7,7 @@ use super::simlink;
 use crate::command::Cmd;
 use crate::workspace::find_program;
 
-/// One thing the tests or the target builds need.
+/// Something that the tests or the target builds need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Item {
     /// A Chromium browser: the report's pages are opened in it.
@@ -26,7 +26,7 @@ pub enum Item {
     ArmGcc,
     /// Rust's libraries for Cortex-M and aarch64 Linux.
     RustTargets,
-    /// Counts instructions of the trainer's parts.
+    /// Valgrind, which counts the instructions of the trainer's parts.
     Valgrind,
 }
 
@@ -44,7 +44,7 @@ impl Item {
         Self::Valgrind,
     ];
 
-    /// The name on the command line.
+    /// Its name on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Browser => "browser",
@@ -74,7 +74,7 @@ impl Item {
         }
     }
 
-    /// The Debian packages that hold it; none for what is installed in another way.
+    /// The Debian packages that contain it; empty for what is installed in another way.
     pub const fn packages(self) -> &'static [&'static str] {
         match self {
             Self::Browser => &["chromium"],
@@ -88,7 +88,7 @@ impl Item {
         }
     }
 
-    /// Whether it is there and works.
+    /// Whether it is installed and works.
     pub fn is_present(self) -> bool {
         match self {
             Self::Browser => find_program(&["chromium", "chromium-browser", "google-chrome"]).is_some(),
@@ -104,9 +104,9 @@ impl Item {
     }
 }
 
-/// Whether there is this compiler, with this file.
+/// Whether this C compiler is installed and has this library file.
 fn compiler_has(compiler: &str, file: &str) -> bool {
-    // Of a file that it does not have, it prints the bare name.
+    // For a file that it does not have, the compiler prints the name without a folder.
     Cmd::new(compiler).arg(format!("-print-file-name={file}")).read().is_ok_and(|path| path.trim().starts_with('/'))
 }
 

@@ -1,4 +1,4 @@
-//! `cargo xtask setup`: everything the tests and the target builds need beyond rustup and a C compiler.
+//! `cargo xtask setup`: installs what the tests and the target builds need beyond rustup and a C compiler.
 
 mod apt;
 mod item;
@@ -23,10 +23,10 @@ pub struct Args {
     items: Vec<Item>,
 }
 
-/// Installs what is missing, or with `--check` only reports it.
+/// Installs what is missing, or only reports it with `--check`.
 ///
 /// # Errors
-/// Something is missing and cannot be installed, or may not be (`--check`).
+/// Something is missing and cannot be installed, or something is missing and `--check` is given.
 pub fn main(args: &Args) -> Result<()> {
     let items = if args.items.is_empty() { Item::ALL } else { &args.items };
     if args.no_rustup && !args.check {
@@ -42,15 +42,19 @@ pub fn main(args: &Args) -> Result<()> {
     if names.is_empty() { Ok(()) } else { Err(Error::Missing { names: names.join(", ") }) }
 }
 
-/// Installs those of `items` that are missing, and says so briefly when none is.
+/// Installs those of `items` that are missing.
 ///
 /// # Errors
 /// A package cannot be installed, or an item is still missing afterwards.
 pub fn install(items: &[Item]) -> Result<()> {
-    let missing: Vec<Item> = items.iter().copied().filter(|item| !item.is_present()).collect();
+    let mut missing: Vec<Item> = items.iter().copied().filter(|item| !item.is_present()).collect();
     if missing.is_empty() {
         eprintln!("setup: all {} items are there, nothing to do", items.len());
         return Ok(());
+    }
+    // The simulated autopilots' environment is made by Python's venv.
+    if missing.contains(&Item::Simlink) && !missing.contains(&Item::PythonVenv) && !Item::PythonVenv.is_present() {
+        missing.insert(0, Item::PythonVenv);
     }
     for item in &missing {
         eprintln!("setup: {} is missing ({})", item.name(), item.purpose());

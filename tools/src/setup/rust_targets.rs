@@ -1,7 +1,7 @@
-//! The standard libraries of the targets: through rustup, or from Debian where rustup cannot download.
+//! Rust's standard libraries for the targets, from rustup, or from Debian where rustup cannot download.
 //!
-//! Debian ships no core library for bare metal, but its source: it is built once, into a sysroot in the user's cache
-//! folder beside Debian's own aarch64 library, and linked as the rustup toolchain [`LINKED`].
+//! Debian has no core library for bare metal, only its source. It is built once, into a sysroot in the user's cache
+//! folder that also holds Debian's aarch64 library, and rustup knows this sysroot as the toolchain [`LINKED`].
 
 use std::fs;
 use std::os::unix::fs::{PermissionsExt as _, symlink};
@@ -12,28 +12,29 @@ use crate::command::Cmd;
 use crate::error::{Error, Result};
 use crate::workspace::{self, find_program};
 
-/// Bare-metal Cortex-M4F and M7.
+/// The target of bare-metal Cortex-M4F and Cortex-M7.
 pub const CORTEX_M: &str = "thumbv7em-none-eabihf";
-/// 64-bit ARM Linux: companion computers.
+/// The target of companion computers: 64-bit Arm with Linux.
 pub const AARCH64: &str = "aarch64-unknown-linux-gnu";
 
-/// The rustup toolchain made of Debian's parts.
+/// The rustup toolchain that is made from Debian's packages.
 const LINKED: &str = "covey-targets";
-/// Debian's compiler, newer than Debian's default one.
+/// The compiler of the Debian package rustc-web, which is newer than Debian's default one.
 const RUSTC: &str = "/usr/bin/rustc";
+/// Its standard library for this computer.
 const HOST_LIBRARY: &str = "/usr/lib/rustlib/x86_64-unknown-linux-gnu";
 
-/// Which toolchain builds for the targets.
+/// The toolchain that builds for the targets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Toolchain {
-    /// The one that runs us.
+    /// The one that runs `cargo xtask`.
     Own,
-    /// [`LINKED`].
+    /// The one that is made from Debian's packages, [`LINKED`].
     Linked,
 }
 
 impl Toolchain {
-    /// The toolchain that has the targets, if one has.
+    /// The toolchain that has the libraries of all targets, if there is one.
     pub fn find() -> Option<Self> {
         let own = Cmd::new("rustc").args(["--print", "sysroot"]).read().ok();
         if own.is_some_and(|sysroot| is_complete(Path::new(sysroot.trim()))) {
@@ -42,15 +43,15 @@ impl Toolchain {
         is_linked().then_some(Self::Linked)
     }
 
-    /// The toolchain that has the targets.
+    /// The toolchain that has the libraries of all targets.
     ///
     /// # Errors
-    /// None has.
+    /// There is none.
     pub fn required() -> Result<Self> {
         Self::find().ok_or_else(|| Error::Missing { names: "rust-targets".into() })
     }
 
-    /// A cargo of this toolchain.
+    /// A command that runs cargo of this toolchain.
     pub fn cargo(self) -> Cmd {
         match self {
             Self::Own => Cmd::cargo(),
@@ -58,7 +59,7 @@ impl Toolchain {
         }
     }
 
-    /// A cargo of this toolchain that can link for [`CORTEX_M`].
+    /// A command that runs cargo of this toolchain with a linker for [`CORTEX_M`].
     pub fn cortex_m_cargo(self) -> Cmd {
         match self {
             Self::Own => self.cargo(),
@@ -71,10 +72,10 @@ impl Toolchain {
     }
 }
 
-/// Gets the targets' libraries; `rustup` is asked first unless told otherwise.
+/// Installs the libraries of the targets: with rustup if `ask_rustup` and it can download them, else from Debian.
 ///
 /// # Errors
-/// Neither rustup nor Debian can deliver them.
+/// Neither rustup nor Debian has them.
 pub fn install(ask_rustup: bool) -> Result<()> {
     if ask_rustup && find_program(&["rustup"]).is_some() {
         let add = Cmd::new("rustup").args(["target", "add", CORTEX_M, AARCH64]);
@@ -91,7 +92,7 @@ pub fn install(ask_rustup: bool) -> Result<()> {
     if is_linked() { Ok(()) } else { Err(Error::Setup(format!("the linked toolchain {LINKED} does not work"))) }
 }
 
-/// Whether `sysroot` has a core library for each target.
+/// Whether a sysroot has a core library for each target.
 fn is_complete(sysroot: &Path) -> bool {
     [CORTEX_M, AARCH64].iter().all(|target| {
         fs::read_dir(sysroot.join("lib/rustlib").join(target).join("lib"))
@@ -99,26 +100,28 @@ fn is_complete(sysroot: &Path) -> bool {
     })
 }
 
+/// Whether the toolchain [`LINKED`] is complete and rustup can run it.
 fn is_linked() -> bool {
     sysroot().is_ok_and(|sysroot| is_complete(&sysroot))
         && Cmd::new("rustup").args(["run", LINKED, "rustc", "--version"]).succeeds()
 }
 
-/// Where the sysroot of Debian's present compiler is, or will be.
+/// The folder for the sysroot of Debian's compiler; its name has the compiler's version.
 fn sysroot() -> Result<PathBuf> {
     let version = Cmd::new(RUSTC).arg("--version").read()?;
     let version = version.split_whitespace().nth(1).unwrap_or("unknown");
     Ok(workspace::cache().join(format!("sysroot-{version}")))
 }
 
-/// rustup's own linker.
+/// The linker that comes with the toolchain of `cargo xtask`, where it has one.
 fn rust_lld() -> Option<PathBuf> {
     let sysroot = Cmd::new("rustc").args(["--print", "sysroot"]).read().ok()?;
     let linker = Path::new(sysroot.trim()).join("lib/rustlib/x86_64-unknown-linux-gnu/bin/rust-lld");
     linker.is_file().then_some(linker)
 }
 
-/// Builds everything in a folder beside the final one, which so is whole or absent.
+/// Builds the sysroot. It is built in a draft folder that is renamed at the end, so a sysroot is either complete or
+/// absent.
 fn build_sysroot() -> Result<()> {
     let done = sysroot()?;
     if is_complete(&done) {
@@ -140,7 +143,8 @@ fn build_sysroot() -> Result<()> {
     fs::rename(&draft, &done).map_err(Error::file(&done))
 }
 
-/// Builds core and alloc from Debian's source into `into`, with bitcode: link-time optimisation needs it.
+/// Builds the libraries core and alloc from Debian's source into `into`, with the bitcode that link-time optimisation
+/// needs.
 fn core_for_cortex_m(draft: &Path, into: &Path) -> Result<()> {
     eprintln!("setup: building Rust's core library for {CORTEX_M}, once (about half a minute)");
     let package = draft.join("core");
@@ -152,7 +156,7 @@ fn core_for_cortex_m(draft: &Path, into: &Path) -> Result<()> {
     Cmd::cargo()
         .args(["build", "--release", "-Zbuild-std=core,alloc", "--target", CORTEX_M, "--target-dir", "target"])
         .env("RUSTFLAGS", "-Cembed-bitcode=yes")
-        // For this build only: -Zbuild-std wants it, and the project must not see it.
+        // -Zbuild-std needs this variable. It is set for this build only, the project is built without it.
         .env("RUSTC_BOOTSTRAP", "1")
         .env("RUSTC", RUSTC)
         .folder(&package)
@@ -169,7 +173,7 @@ fn core_for_cortex_m(draft: &Path, into: &Path) -> Result<()> {
     fs::remove_dir_all(&package).map_err(Error::file(&package))
 }
 
-/// Unpacks Debian's library for arm64, without adding that architecture to the system.
+/// Downloads and unpacks Debian's standard library for arm64, without adding that architecture to the system.
 fn std_for_aarch64(draft: &Path, done: &Path, libraries: &Path) -> Result<()> {
     eprintln!("setup: fetching Rust's standard library for {AARCH64}");
     let apt = draft.join("apt");
@@ -180,7 +184,7 @@ fn std_for_aarch64(draft: &Path, done: &Path, libraries: &Path) -> Result<()> {
             .args(["-q", "-o", "APT::Architectures::=amd64", "-o", "APT::Architectures::=arm64"])
             .args(["-o", &format!("Dir::State::lists={}", apt.join("lists").display())])
             .args(["-o", &format!("Dir::Cache={}", apt.join("cache").display())])
-            // Everything is in folders of our own, so no other user is needed to download.
+            // The download goes to a folder of this user, where apt's own download user could not write.
             .args(["-o", "APT::Sandbox::User="])
             .args(verb)
             .folder(&apt)
@@ -197,7 +201,8 @@ fn std_for_aarch64(draft: &Path, done: &Path, libraries: &Path) -> Result<()> {
     link(&done.join("arm64/usr/lib/rustlib").join(AARCH64), &libraries.join(AARCH64))
 }
 
-/// `bin/rustc` is Debian's with our sysroot, `bin/cargo` the one that runs us.
+/// Puts the programs of the toolchain into the sysroot: a script that runs Debian's compiler with this sysroot, and a
+/// link to the cargo that runs `cargo xtask`.
 fn programs(draft: &Path, done: &Path) -> Result<()> {
     let bin = draft.join("bin");
     create(&bin)?;
@@ -208,14 +213,17 @@ fn programs(draft: &Path, done: &Path) -> Result<()> {
     link(Path::new(cargo.trim()), &bin.join("cargo"))
 }
 
+/// Creates a folder and the folders around it.
 fn create(folder: &Path) -> Result<()> {
     fs::create_dir_all(folder).map_err(Error::file(folder))
 }
 
+/// Writes a text file.
 fn write(file: &Path, text: &str) -> Result<()> {
     fs::write(file, text).map_err(Error::file(file))
 }
 
+/// Makes a symbolic link to `to` at `at`.
 fn link(to: &Path, at: &Path) -> Result<()> {
     symlink(to, at).map_err(Error::file(at))
 }

@@ -1,17 +1,16 @@
-//! What is built: the node for computers, the images for boards, and actors to run on them.
+//! Building the node for computers, the images for boards, and actor files to run on them.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::work_folder;
 use crate::command::Cmd;
 use crate::error::{Error, Result};
 use crate::setup::rust_targets::{AARCH64, CORTEX_M, Toolchain};
-use crate::workspace;
+use crate::workspace::{self, targets_folder};
 
-/// Actors of the default widths with made-up weights, one for each aggregation.
+/// Actor files with the default layer widths and made-up weights, one for each aggregation.
 pub struct Actors {
-    /// Plain PPO.
+    /// No aggregation: plain PPO.
     pub none: PathBuf,
     /// Graph convolution.
     pub gcn: PathBuf,
@@ -20,12 +19,12 @@ pub struct Actors {
 }
 
 impl Actors {
-    /// Writes them.
+    /// Writes the three files.
     ///
     /// # Errors
-    /// The program that makes them cannot be built or run.
+    /// The example program that makes them cannot be built or run.
     pub fn make() -> Result<Self> {
-        let folder = work_folder();
+        let folder = targets_folder();
         fs::create_dir_all(&folder).map_err(Error::file(&folder))?;
         let make = |kind: &str| -> Result<PathBuf> {
             let file = folder.join(kind).with_extension("actor");
@@ -36,10 +35,11 @@ impl Actors {
         Ok(Self { none: make("none")?, gcn: make("gcn")?, gat: make("gat")? })
     }
 
-    /// One number of the signatures of all three (FNV-1a, 64 bit, over their bytes in little-endian order).
+    /// Computes the signature of each file with `sign` and combines the three into one number (64-bit FNV-1a hash
+    /// over their little-endian bytes).
     ///
     /// # Errors
-    /// Those of `sign`.
+    /// The errors of `sign`.
     pub fn signature(&self, sign: impl Fn(&PathBuf) -> Result<u64>) -> Result<u64> {
         let mut hash = 0xcbf2_9ce4_8422_2325_u64;
         for actor in [&self.none, &self.gcn, &self.gat] {
@@ -51,22 +51,22 @@ impl Actors {
     }
 }
 
-/// The node as it is built for computers.
+/// A build of the node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Node {
-    /// This computer, without optimisation and with overflow checks.
+    /// For this computer, without optimisation and with overflow checks.
     HostDebug,
-    /// This computer.
+    /// For this computer, optimised.
     Host,
-    /// A companion computer: a static executable.
+    /// For a companion computer, optimised and statically linked.
     Aarch64,
 }
 
 impl Node {
-    /// Every build.
+    /// All builds.
     pub const ALL: [Self; 3] = [Self::HostDebug, Self::Host, Self::Aarch64];
 
-    /// Name of the target in tables.
+    /// The name of the target in tables.
     pub const fn target(self) -> &'static str {
         match self {
             Self::HostDebug | Self::Host => "x86_64",
@@ -74,7 +74,7 @@ impl Node {
         }
     }
 
-    /// Name of the profile in tables.
+    /// The name of the build profile in tables.
     pub const fn profile(self) -> &'static str {
         match self {
             Self::HostDebug => "debug",
@@ -82,10 +82,10 @@ impl Node {
         }
     }
 
-    /// Builds it and returns the executable.
+    /// Builds the node and returns the path of the executable.
     ///
     /// # Errors
-    /// It cannot be built.
+    /// The build failed.
     pub fn build(self) -> Result<PathBuf> {
         let build = ["build", "--quiet", "--package", "sitl-bridge"];
         let target = workspace::target_folder();
@@ -110,14 +110,15 @@ impl Node {
         Ok(folder.join("sitl-bridge"))
     }
 
-    /// Lets the built `program` test an actor file.
+    /// Runs the actor file's self-test with the built `program`.
     ///
     /// # Errors
-    /// It refuses the file.
+    /// The program refuses the file.
     pub fn self_test(self, program: &Path, actor: &Path) -> Result<()> {
         self.command(program).arg("self-test").arg(actor).read().map(drop)
     }
 
+    /// A command that runs the built `program`, in QEMU where it is for another processor.
     fn command(self, program: &Path) -> Cmd {
         match self {
             Self::HostDebug | Self::Host => Cmd::new(program),
@@ -125,10 +126,10 @@ impl Node {
         }
     }
 
-    /// The signature of an actor file by the built `program`.
+    /// Computes the signature of an actor file with the built `program`.
     ///
     /// # Errors
-    /// It fails, or prints something else.
+    /// The program fails, or prints something else.
     pub fn signature(self, program: &Path, actor: &Path) -> Result<u64> {
         let command = self.command(program).arg("signature").arg(actor);
         let printed = command.read()?;
@@ -136,6 +137,7 @@ impl Node {
     }
 }
 
+/// The QEMU that runs aarch64 programs.
 fn qemu_aarch64() -> PathBuf {
     workspace::find_program(&["qemu-aarch64-static", "qemu-aarch64"]).unwrap_or_else(|| "qemu-aarch64-static".into())
 }
@@ -143,13 +145,14 @@ fn qemu_aarch64() -> PathBuf {
 /// A board that images are built for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Board {
-    /// QEMU's mps2-an500 and mps2-an386.
+    /// QEMU's mps2-an500 (Cortex-M7) and mps2-an386 (Cortex-M4F), which run the same image.
     Mps2,
-    /// STM32H743 and STM32H753.
+    /// Boards with an STM32H743 or STM32H753.
     Stm32h743,
 }
 
 impl Board {
+    /// The cargo feature that chooses the board.
     const fn feature(self) -> &'static str {
         match self {
             Self::Mps2 => "mps2",
@@ -158,21 +161,21 @@ impl Board {
     }
 }
 
-/// The programs for a board.
+/// The programs for a board: paths of the executables.
 pub struct Image {
-    /// The program that flies.
+    /// The flight program: it serves the PIL protocol.
     pub flight: PathBuf,
-    /// The program that measures; QEMU only.
+    /// The measuring program; for QEMU's boards only.
     pub measure: PathBuf,
 }
 
 impl Image {
-    /// Builds them.
+    /// Builds the programs.
     ///
     /// # Errors
-    /// They cannot be built. A program with a panic branch does not link.
+    /// The build failed, for example because a program has a panic branch: then it does not link.
     pub fn build(board: Board) -> Result<Self> {
-        let target = work_folder().join(board.feature());
+        let target = targets_folder().join(board.feature());
         Toolchain::required()?
             .cortex_m_cargo()
             .args(["build", "--quiet", "--release", "--target", CORTEX_M])
@@ -186,17 +189,18 @@ impl Image {
     }
 }
 
-/// Builds the C interface's static library for Cortex-M as flight software links it; a test compiles a C program with it.
+/// Builds the static library of the C interface for Cortex-M, in the form that flight software links. A test compiles
+/// a C program against it.
 ///
 /// # Errors
-/// It cannot be built.
+/// The build failed.
 pub fn c_library() -> Result<()> {
     Toolchain::required()?
         .cargo()
         .args(["rustc", "--quiet", "--package", "covey-capi", "--profile", "firmware", "--crate-type", "staticlib"])
         .args(["--target", CORTEX_M])
         .arg("--target-dir")
-        .arg(work_folder().join("capi"))
+        .arg(targets_folder().join("capi"))
         .read()?;
     Ok(())
 }

@@ -1,8 +1,8 @@
-//! The deepest stack of a Cortex-M program, computed from its machine code.
+//! The deepest possible stack of a Cortex-M program, computed from its machine code.
 //!
-//! Each function's frame is what its instructions take off the stack pointer, wherever they stand; its depth is that
-//! and the depth of the deepest function it calls or jumps to. A call through a register may reach any function that
-//! nothing calls directly and that is no interrupt handler. The program has no recursion.
+//! A function's frame is the sum of all that its instructions subtract from the stack pointer. Its depth is its frame
+//! plus the depth of the deepest function that it calls or jumps to. A call through a register is taken to reach
+//! every function that is never called directly and is no interrupt handler. Recursion is an error.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -12,29 +12,32 @@ use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SymbolKind};
 use super::elf::with_elf;
 use crate::error::{Error, Result};
 
-/// Where the processor starts.
+/// The function where the processor starts.
 const ENTRY: &str = "Reset";
 
-/// What a function takes and whom it calls.
+/// The stack use and the calls of a function.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct Function {
+    /// Bytes that it takes from the stack itself.
     frame: u64,
+    /// Addresses of the functions that it calls or jumps to.
     calls: BTreeSet<u64>,
+    /// Whether it calls through a register.
     calls_by_register: bool,
 }
 
-/// The deepest stack from the program's start on, bytes.
+/// The deepest possible stack of a program, bytes.
 ///
 /// # Errors
-/// The file cannot be read, is no such program, or calls itself in a circle.
+/// The file cannot be read, is no Cortex-M program, or has recursion.
 pub fn of(path: &Path) -> Result<u64> {
     with_elf(path, |elf| {
-        let text = elf.section_by_name(".text").ok_or_else(|| Error::elf(path, "it has no .text".into()))?;
-        let bytes = text.data().map_err(|error| Error::elf(path, error.to_string()))?;
+        let text = elf.section_by_name(".text").ok_or_else(|| Error::content(path, "it has no .text".into()))?;
+        let bytes = text.data().map_err(|error| Error::content(path, error.to_string()))?;
         let mut functions = BTreeMap::new();
         let (mut entry, mut handlers) = (None, BTreeSet::new());
         for symbol in elf.symbols().filter(|symbol| symbol.kind() == SymbolKind::Text && symbol.size() > 0) {
-            // Bit 0 of a code address says Thumb.
+            // Bit 0 of a code address marks Thumb code.
             let address = symbol.address() & !1;
             let Some(at) = address.checked_sub(text.address()) else { continue };
             if let Some(code) = bytes.get(at as usize..(at + symbol.size()) as usize) {
@@ -47,29 +50,34 @@ pub fn of(path: &Path) -> Result<u64> {
                 handlers.insert(address);
             }
         }
-        let entry = entry.ok_or_else(|| Error::elf(path, format!("it has no {ENTRY}")))?;
+        let entry = entry.ok_or_else(|| Error::content(path, format!("it has no {ENTRY}")))?;
         let called: BTreeSet<u64> = functions.values().flat_map(|function| &function.calls).copied().collect();
         let by_register =
             functions.keys().filter(|at| !called.contains(at) && !handlers.contains(at)).copied().collect();
         Walk { functions: &functions, by_register, known: BTreeMap::new() }
             .depth(entry, &mut Vec::new())
-            .ok_or_else(|| Error::elf(path, "a function calls itself".into()))
+            .ok_or_else(|| Error::content(path, "a function calls itself".into()))
     })
 }
 
+/// A walk through the calls of a program.
 struct Walk<'f> {
+    /// All functions, by address.
     functions: &'f BTreeMap<u64, Function>,
+    /// The functions that a call through a register may reach.
     by_register: BTreeSet<u64>,
+    /// The depths computed so far, by address.
     known: BTreeMap<u64, u64>,
 }
 
 impl Walk<'_> {
-    /// None where the calls go in a circle.
+    /// The depth of the function at an address; `above` are the functions that lead to it. `None` where there is
+    /// recursion.
     fn depth(&mut self, at: u64, above: &mut Vec<u64>) -> Option<u64> {
         if let Some(&depth) = self.known.get(&at) {
             return Some(depth);
         }
-        // What is no function of its own is a branch inside one.
+        // An address where no function begins is a branch inside a function.
         let Some(function) = self.functions.get(&at) else { return Some(0) };
         if above.contains(&at) {
             return None;
@@ -89,7 +97,7 @@ impl Walk<'_> {
 }
 
 /// Reads a function's Thumb-2 code (Arm v7-M manual, chapter A5). Constants between the instructions are read as
-/// instructions too: that can only add to the depth.
+/// instructions too, which can only increase the depth.
 fn read(code: &[u8], address: u64) -> Function {
     let mut function = Function::default();
     let halves: Vec<u32> = code.as_chunks::<2>().0.iter().map(|half| u16::from_le_bytes(*half).into()).collect();
@@ -108,6 +116,7 @@ fn read(code: &[u8], address: u64) -> Function {
     function
 }
 
+/// Reads a 16-bit instruction.
 fn narrow(code: u32, at: u64, function: &mut Function) {
     let mut jump = |bits: u32| {
         // The offset's sign is its highest bit.
@@ -132,6 +141,7 @@ fn narrow(code: u32, at: u64, function: &mut Function) {
     }
 }
 
+/// Reads a 32-bit instruction.
 fn wide(first: u32, second: u32, at: u64, function: &mut Function) {
     if first == 0xe92d {
         // STMDB sp!, {registers}
@@ -164,7 +174,7 @@ fn wide(first: u32, second: u32, at: u64, function: &mut Function) {
     }
 }
 
-/// ThumbExpandImm.
+/// The constant of an instruction (function ThumbExpandImm of the manual).
 fn expand(first: u32, second: u32) -> u32 {
     let imm12 = (first >> 10 & 1) << 11 | (second >> 12 & 7) << 8 | second & 0xff;
     let byte = imm12 & 0xff;

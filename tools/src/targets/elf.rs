@@ -1,4 +1,4 @@
-//! What is in an executable.
+//! Reading executables in ELF format.
 
 use std::fs;
 use std::path::Path;
@@ -7,22 +7,22 @@ use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionKind};
 
 use crate::error::{Error, Result};
 
-/// Sizes of its parts, bytes.
+/// Sizes of the parts of an executable, bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sizes {
     /// Code.
     pub text: u64,
-    /// Constants, an image's interrupt table and the first contents of variables among them.
+    /// Constants, which include the interrupt table and the initial values of variables.
     pub rodata: u64,
-    /// Variables.
+    /// Variables: static RAM.
     pub static_ram: u64,
 }
 
 impl Sizes {
-    /// Reads them.
+    /// Reads the sizes of an executable.
     ///
     /// # Errors
-    /// The file cannot be read.
+    /// The file cannot be read, or is no executable.
     pub fn of(path: &Path) -> Result<Self> {
         let mut sizes = Self::default();
         with_elf(path, |elf| {
@@ -46,37 +46,41 @@ impl Sizes {
     }
 }
 
-/// The address of a symbol.
+/// The address of a symbol in an executable.
 ///
 /// # Errors
-/// The file cannot be read, or has no such symbol.
+/// The file cannot be read, is no executable, or has no such symbol.
 pub fn address_of(path: &Path, symbol: &str) -> Result<u64> {
     with_elf(path, |elf| {
         let found = elf.symbols().find(|entry| entry.name() == Ok(symbol));
-        found.map(|entry| entry.address()).ok_or_else(|| Error::elf(path, format!("it has no symbol {symbol}")))
+        found.map(|entry| entry.address()).ok_or_else(|| Error::content(path, format!("it has no symbol {symbol}")))
     })
 }
 
-/// Checks that no panic and no heap is left in an image. Its linking has shown it for panics already; this would find
-/// code that stops in its own way.
+/// Checks by the names of its symbols that a program has no panic and no heap. A program with a panic branch of Rust
+/// does not even link; this check also finds other code that aborts.
 ///
 /// # Errors
-/// Names of symbols that should not be there.
+/// The program has such symbols; the error names them. Or the file cannot be read.
 pub fn assert_panic_free(path: &Path) -> Result<()> {
     const UNWANTED: [&str; 4] = ["panic", "unwrap_failed", "__rust_alloc", "malloc"];
     with_elf(path, |elf| {
         let names = elf.symbols().filter_map(|symbol| symbol.name().ok());
         let found: Vec<&str> = names.filter(|name| UNWANTED.iter().any(|unwanted| name.contains(unwanted))).collect();
-        if found.is_empty() { Ok(()) } else { Err(Error::elf(path, format!("panics or a heap: {}", found.join(", ")))) }
+        if found.is_empty() {
+            Ok(())
+        } else {
+            Err(Error::content(path, format!("panics or a heap: {}", found.join(", "))))
+        }
     })
 }
 
-/// Calls `look` with the executable.
+/// Parses an executable and calls `look` with it.
 ///
 /// # Errors
-/// The file cannot be read, and those of `look`.
+/// The file cannot be read or is no executable, and the errors of `look`.
 pub fn with_elf<T>(path: &Path, look: impl FnOnce(&object::File<'_>) -> Result<T>) -> Result<T> {
     let bytes = fs::read(path).map_err(Error::file(path))?;
-    let elf = object::File::parse(&*bytes).map_err(|error| Error::elf(path, error.to_string()))?;
+    let elf = object::File::parse(&*bytes).map_err(|error| Error::content(path, error.to_string()))?;
     look(&elf)
 }

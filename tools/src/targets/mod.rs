@@ -1,28 +1,28 @@
-//! `cargo xtask targets`: builds for every target, runs what was built, measures it, and checks the figures.
+//! `cargo xtask targets`: builds for every target, runs and measures what was built, and checks the figures.
 
 pub mod artefacts;
 pub mod call_depth;
 pub mod elf;
 pub mod flight;
-pub mod gate;
+pub mod limits;
 pub mod qemu;
 pub mod row;
 
 use std::path::{Path, PathBuf};
 
+use firmware_core::actor::FINGERPRINT_CASES;
+
 use crate::error::{Error, Result};
+use crate::figures;
 use crate::setup::{self, Item};
-use crate::workspace;
 use artefacts::{Actors, Image, Node};
 use qemu::Machine;
 use row::{Instructions, Row};
 
-/// What must be installed.
+/// What must be installed to build for the targets and to run what was built.
 pub const NEEDS: &[Item] = &[Item::QemuArm, Item::QemuAarch64, Item::Aarch64Gcc, Item::RustTargets];
 
-/// Neighbourhoods in a signature.
-const FINGERPRINT_CASES: u32 = firmware_core::actor::FINGERPRINT_CASES;
-/// Layers that the assembly kernel and its portable twin are compared on.
+/// Layers on which the assembly kernel is compared with the portable one.
 const KERNEL_CASES: u32 = 3000;
 
 /// Options of `cargo xtask targets`.
@@ -36,22 +36,22 @@ pub struct Args {
     bless: bool,
 }
 
-/// Measures every target and prints one table.
+/// Measures every target, prints a table and checks the figures.
 ///
 /// # Errors
-/// A build or a run failed, or a figure is not what it should be: all such figures are named.
+/// A build or a run failed, or figures are not what they should be; the error names all of them.
 pub fn main(args: &Args) -> Result<()> {
     setup::install(NEEDS)?;
     let rows = measure()?;
     if args.json {
-        println!("{}", row::json(&rows));
+        println!("{}", figures::json(&rows));
     } else {
         println!("{}", row::table(&rows));
     }
     if args.bless {
-        gate::bless(&rows)?;
+        limits::bless(&rows)?;
     }
-    let complaints = gate::check(&rows)?;
+    let complaints = limits::check(&rows)?;
     if complaints.is_empty() {
         progress("every figure is within its limits");
         return Ok(());
@@ -59,7 +59,7 @@ pub fn main(args: &Args) -> Result<()> {
     Err(Error::Figures(complaints.join("\n")))
 }
 
-/// Builds, runs and measures everything.
+/// Builds, runs and measures everything, and returns a row of figures for each build.
 fn measure() -> Result<Vec<Row>> {
     let actors = Actors::make()?;
     let mut rows = Vec::new();
@@ -81,7 +81,7 @@ fn measure() -> Result<Vec<Row>> {
     progress("image for QEMU's mps2");
     let image = Image::build(artefacts::Board::Mps2)?;
     check_program(&image.flight)?;
-    // With the safety gate in it.
+    // The measuring program contains the safety gate, which the flight program does not.
     elf::assert_panic_free(&image.measure)?;
     let sizes = elf::Sizes::of(&image.flight)?;
     for machine in Machine::ALL {
@@ -99,17 +99,19 @@ fn measure() -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-/// Checks what holds for a flight program on any board: no panic, no heap, and no way to a deeper stack than allowed.
+/// Checks what must hold for the flight program on every board: no panic, no heap, and a computed stack within the
+/// limit.
 fn check_program(program: &Path) -> Result<()> {
     elf::assert_panic_free(program)?;
     let depth = call_depth::of(program)?;
     progress(&format!("stack, computed: {depth} bytes"));
-    if depth <= gate::STACK_LIMIT {
+    if depth <= limits::STACK_LIMIT {
         return Ok(());
     }
-    Err(Error::elf(program, format!("its stack may take {depth} bytes, at most {}", gate::STACK_LIMIT)))
+    Err(Error::content(program, format!("its stack may take {depth} bytes, at most {}", limits::STACK_LIMIT)))
 }
 
+/// The row of a build, without stack and instructions, which only the Cortex-M builds have.
 fn row_of(target: &str, profile: &str, signature: u64, sizes: elf::Sizes) -> Row {
     Row {
         target: target.into(),
@@ -123,12 +125,7 @@ fn row_of(target: &str, profile: &str, signature: u64, sizes: elf::Sizes) -> Row
     }
 }
 
-/// Where everything that is built or made here goes.
-pub fn work_folder() -> PathBuf {
-    workspace::target_folder().join("targets")
-}
-
-/// Says what is going on, beside the result.
+/// Prints a line of progress on the error output, apart from the result.
 pub fn progress(text: &str) {
     eprintln!("targets: {text}");
 }

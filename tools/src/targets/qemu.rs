@@ -1,4 +1,4 @@
-//! QEMU's Cortex-M boards.
+//! Running the measuring program on QEMU's Cortex-M boards.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,23 +9,23 @@ use super::artefacts::Image;
 use crate::command::Cmd;
 use crate::error::{Error, Result};
 
-/// No measurement takes longer on the slowest machine, seconds.
+/// Time limit of a measurement, seconds; enough for a slow computer.
 const TIME_LIMIT: u32 = 600;
 
-/// One of QEMU's boards.
+/// A Cortex-M board that QEMU emulates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Machine {
-    /// mps2-an500.
+    /// The board mps2-an500.
     CortexM7,
-    /// mps2-an386.
+    /// The board mps2-an386.
     CortexM4f,
 }
 
 impl Machine {
-    /// Both.
+    /// Both boards.
     pub const ALL: [Self; 2] = [Self::CortexM7, Self::CortexM4f];
 
-    /// Name of the target in tables.
+    /// The name of the target in tables.
     pub const fn target(self) -> &'static str {
         match self {
             Self::CortexM7 => "cortex-m7",
@@ -33,7 +33,7 @@ impl Machine {
         }
     }
 
-    /// The board that the link's crate starts.
+    /// The same board as the crate `covey-pil` names it.
     pub const fn board(self) -> qemu::Machine {
         match self {
             Self::CortexM7 => qemu::Machine::CortexM7,
@@ -41,23 +41,23 @@ impl Machine {
         }
     }
 
-    /// QEMU, ready to run `program`, with `actor` in its flash.
+    /// The command that runs `program` on the board, with the file `actor` in its flash.
     pub fn run(self, program: &Path, actor: Option<&Path>) -> Cmd {
         Cmd::new(qemu::PROGRAM).args(self.board().arguments(program, actor))
     }
 
-    /// Compares the assembly kernel with its portable twin on this many layers.
+    /// Compares the results of the assembly kernel and of the portable one on `cases` layers.
     ///
     /// # Errors
-    /// They differ.
+    /// The results differ, or the run failed.
     pub fn check_kernel(self, image: &Image, cases: u32) -> Result<()> {
         self.measure(image, None, &["kernel", &cases.to_string()], false).map(|_| ())
     }
 
-    /// Compares the safety gate's verdicts with this computer's.
+    /// Compares the safety gate's signature with that of this computer.
     ///
     /// # Errors
-    /// They differ, or the run failed.
+    /// The signatures differ, or the run failed.
     pub fn check_gate(self, image: &Image) -> Result<()> {
         let ticks = firmware_core::gate::FINGERPRINT_TICKS;
         let results = self.measure(image, None, &["gate", &ticks.to_string()], false)?;
@@ -68,7 +68,7 @@ impl Machine {
         Err(Error::Figures(format!("{}: the gate's signature is {board:016x}, here it is {here:016x}", self.target())))
     }
 
-    /// The signature of an actor.
+    /// The signature of an actor file over `cases` neighbourhoods.
     ///
     /// # Errors
     /// The run failed.
@@ -77,7 +77,7 @@ impl Machine {
         results.number("signature", 16)
     }
 
-    /// What the parts of a decision cost: names and instruction counts or bytes.
+    /// The instruction counts of the parts of a decision.
     ///
     /// # Errors
     /// The run failed.
@@ -85,6 +85,8 @@ impl Machine {
         self.measure(image, Some(actor), &["costs"], true)
     }
 
+    /// Runs the measuring program with these words on its command line. With `exact`, QEMU counts instructions as
+    /// time.
     fn measure(self, image: &Image, actor: Option<&Path>, words: &[&str], exact: bool) -> Result<Results> {
         let mut semihosting = "enable=on,target=native,arg=measure".to_owned();
         for word in words {
@@ -93,10 +95,10 @@ impl Machine {
         let mut command = self.run(&image.measure, actor);
         command = command.args(["-serial", "null", "-semihosting-config", &semihosting]);
         if exact {
-            // 1024 ns of the machine's time an instruction: see the image's instruction counter.
+            // Every instruction takes 1024 ns of emulated time, which the image's instruction counter relies on.
             command = command.args(["-icount", "shift=10"]);
         }
-        // The program's text comes on QEMU's error output.
+        // What the program prints comes on QEMU's error output.
         let command = command.within(TIME_LIMIT);
         let printed = command.read_all()?;
         let lines = printed.lines().filter_map(|line| line.split_once(' '));
@@ -105,22 +107,24 @@ impl Machine {
     }
 }
 
-/// What a measurement printed.
+/// The results that the measuring program printed.
 pub struct Results {
     command: String,
     printed: String,
+    /// The printed names and values.
     values: BTreeMap<String, String>,
 }
 
 impl Results {
-    /// The decimal number of this name.
+    /// The decimal number that was printed with this name.
     ///
     /// # Errors
-    /// It was not printed.
+    /// No number was printed with this name.
     pub fn count(&self, name: &str) -> Result<u64> {
         self.number(name, 10)
     }
 
+    /// The number that was printed with this name, with digits of this radix.
     fn number(&self, name: &str, radix: u32) -> Result<u64> {
         let value = self.values.get(name).and_then(|value| u64::from_str_radix(value, radix).ok());
         value.ok_or_else(|| Error::Output { command: self.command.clone(), printed: self.printed.clone() })

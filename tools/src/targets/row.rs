@@ -1,32 +1,33 @@
-//! The figures of one target and build.
+//! The figures of one build, and the table of all builds.
 
 use serde::{Deserialize, Serialize};
 
 use super::qemu::Results;
 use crate::error::Result;
+use crate::figures::grouped;
 
-/// One line of the table.
+/// The figures of one build. They are a column of the table, and an object in the JSON file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Row {
-    /// Processor.
+    /// Name of the processor.
     pub target: String,
-    /// Cargo's profile.
+    /// Name of the build profile.
     pub profile: String,
-    /// One number of the signatures of the three sample actors.
+    /// The combined signature of the three sample actors, 16 hexadecimal digits.
     pub signature: String,
     /// Code, bytes: of the flight program on Cortex-M, of the node elsewhere.
     pub text_bytes: u64,
     /// Constants, bytes.
     pub rodata_bytes: u64,
-    /// Variables, bytes.
+    /// Static RAM, bytes.
     pub static_ram_bytes: u64,
-    /// Deepest stack of the flight program in flight, bytes; where it can be told.
+    /// Deepest stack of the flight program in test flights, bytes; `None` for computers.
     pub stack_bytes: Option<u64>,
-    /// Instructions of the parts of a decision; where they can be counted.
+    /// Instructions of the parts of a decision.
     pub instructions: Instructions,
 }
 
-/// Exact instruction counts, for actors of the default widths.
+/// Exact instruction counts for actors with the default layer widths; `None` for computers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Instructions {
     /// int8 layers 128 → 64 → 64 → 17 with biases and requantisation.
@@ -46,10 +47,10 @@ pub struct Instructions {
 }
 
 impl Instructions {
-    /// From the costs of both kinds of actor.
+    /// The counts from the results of an actor with graph convolution and one with graph attention.
     ///
     /// # Errors
-    /// A figure is missing.
+    /// A count is missing.
     pub fn of(gcn: &Results, gat: &Results) -> Result<Self> {
         Ok(Self {
             dense_128_64_64_17: Some(gcn.count("dense_128_64_64_17")?),
@@ -62,7 +63,7 @@ impl Instructions {
         })
     }
 
-    /// Names and figures.
+    /// The counts with their names.
     pub fn named(self) -> [(&'static str, Option<u64>); 7] {
         [
             ("dense_128_64_64_17", self.dense_128_64_64_17),
@@ -76,13 +77,7 @@ impl Instructions {
     }
 }
 
-/// The rows as a JSON array.
-pub fn json(rows: &[Row]) -> String {
-    // Plain structs of numbers and text always serialise.
-    serde_json::to_string_pretty(rows).unwrap_or_default()
-}
-
-/// The rows as a Markdown table, a column a row.
+/// Formats the rows as a Markdown table with a column for each build.
 pub fn table(rows: &[Row]) -> String {
     let mut lines: Vec<(&str, Vec<String>)> = vec![
         ("signature", rows.iter().map(|row| row.signature.clone()).collect()),
@@ -102,31 +97,7 @@ pub fn table(rows: &[Row]) -> String {
     table
 }
 
+/// Formats a figure, or a dash where there is none.
 fn optional(value: Option<u64>) -> String {
     value.map_or_else(|| "–".into(), grouped)
-}
-
-/// 1234567 as 1,234,567.
-pub fn grouped(value: u64) -> String {
-    let digits = value.to_string();
-    let mut text = String::new();
-    for (k, digit) in digits.chars().enumerate() {
-        if k > 0 && (digits.len() - k).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn thousands_are_grouped() {
-        for (value, text) in [(0, "0"), (999, "999"), (1000, "1,000"), (1_234_567, "1,234,567")] {
-            assert_eq!(grouped(value), text);
-        }
-    }
 }

@@ -1,4 +1,4 @@
-//! `cargo xtask test`: every check and test, with a summary at the end.
+//! `cargo xtask test`: runs every check and test and prints a summary at the end.
 
 mod step;
 mod tally;
@@ -21,17 +21,19 @@ pub struct Args {
     list: bool,
 }
 
-/// How a step went.
+/// The result of a step.
 struct Outcome {
     name: &'static str,
+    /// How long the step took.
     took: Duration,
+    /// Why the step failed, if it did.
     error: Option<Error>,
 }
 
-/// Runs the steps one after the other; a failure does not keep the later ones from running.
+/// Runs the steps one after the other; the later ones run even if one fails.
 ///
 /// # Errors
-/// A step is unknown, or at least one failed.
+/// A step on the command line is unknown, or at least one step failed.
 pub fn main(args: &Args) -> Result<()> {
     let steps = select(&args.only)?;
     if args.list {
@@ -59,6 +61,7 @@ pub fn main(args: &Args) -> Result<()> {
     summarise(&outcomes, &tally)
 }
 
+/// The steps of these names; all where there are none.
 fn select(only: &[String]) -> Result<Vec<&'static Step>> {
     if let Some(name) = only.iter().find(|name| STEPS.iter().all(|step| step.name != **name)) {
         let known: Vec<_> = STEPS.iter().map(|step| step.name).collect();
@@ -67,6 +70,7 @@ fn select(only: &[String]) -> Result<Vec<&'static Step>> {
     Ok(STEPS.iter().filter(|step| only.is_empty() || only.iter().any(|name| name == step.name)).collect())
 }
 
+/// Runs `action`, prints its error if it fails, and measures its time.
 fn timed(name: &'static str, action: impl FnOnce() -> Result<()>) -> Outcome {
     let start = Instant::now();
     let error = action().err();
@@ -76,7 +80,7 @@ fn timed(name: &'static str, action: impl FnOnce() -> Result<()>) -> Outcome {
     Outcome { name, took: start.elapsed(), error }
 }
 
-/// Prints one line a step, then the commands that failed, and last the count of tests.
+/// Prints a line for each step, then the errors, and the count of tests as the last line.
 fn summarise(outcomes: &[Outcome], tally: &Tally) -> Result<()> {
     println!("\n== summary");
     for outcome in outcomes {

@@ -1,6 +1,6 @@
-//! Counting tests in the output of `cargo test`.
+//! Counting passed and failed tests in the output of `cargo test`.
 
-/// Tests passed and failed so far.
+/// The numbers of passed and failed tests so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     passed: u64,
@@ -8,7 +8,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Adds what `line` reports, if it is the result line of a test program:
+    /// Reads a line of output. Only the last line of a test program counts, which is of the form
     /// `test result: ok. 5 passed; 0 failed; 1 ignored; …`.
     pub fn read(&mut self, line: &str) {
         let Some((_, counts)) = line.trim().strip_prefix("test result: ").and_then(|rest| rest.split_once(". ")) else {
@@ -23,8 +23,8 @@ impl Tally {
         }
     }
 
-    /// `N passed, N failed`. A failed step always shows: where no test counted as failed (a build error, a crash,
-    /// a lint), each failed step counts as one.
+    /// The text `N passed, N failed`. Where no test failed but steps did, as by a build error or a lint, each of
+    /// these steps counts as one failure.
     pub fn closing_line(&self, failed_steps: usize) -> String {
         let failed = if self.failed == 0 { failed_steps as u64 } else { self.failed };
         format!("{} passed, {failed} failed", self.passed)

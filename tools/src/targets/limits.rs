@@ -1,41 +1,36 @@
-//! What the figures must be: limits that hold for ever, and the committed figures.
+//! Checking the figures: fixed limits, and the committed figures.
 
-use std::fs;
 use std::path::PathBuf;
 
 use super::row::{self, Row};
-use crate::document;
-use crate::error::{Error, Result};
-use crate::workspace;
+use crate::error::Result;
+use crate::figures::{self, is_close};
+use crate::{document, workspace};
 
-/// Instructions of the layers that other kernels are compared by.
+/// Most instructions of the layers 128 → 64 → 64 → 17, which int8 kernels are compared by.
 pub const DENSE_LIMIT: u64 = 15_000;
-/// Instructions of a whole step with 16 neighbours.
+/// Most instructions of a whole step with 16 neighbours, with graph convolution.
 pub const STEP_GCN_LIMIT: u64 = 60_000;
-/// As [`STEP_GCN_LIMIT`], with attention.
+/// Most instructions of a whole step with 16 neighbours, with graph attention.
 pub const STEP_GAT_LIMIT: u64 = 75_000;
-/// Code of the flight program, its thin board layer included, bytes.
+/// Most code of the flight program, its board layer included, bytes.
 pub const CODE_LIMIT: u64 = 32 * 1024;
-/// Variables of the flight program, with room for 16 neighbours, bytes.
+/// Most static RAM of the flight program, with a neighbour table of 16, bytes.
 pub const STATIC_RAM_LIMIT: u64 = 8 * 1024;
-/// Stack of the flight program, bytes.
+/// Deepest stack of the flight program, bytes.
 pub const STACK_LIMIT: u64 = 2 * 1024;
-/// How far an instruction count may be from the committed one, in hundredths.
-const TOLERANCE: u64 = 3;
 
+/// The file with the committed figures.
 fn figures_file() -> PathBuf {
     workspace::root().join("docs/targets.json")
 }
 
-/// Everything that is wrong with the rows, each in a line.
+/// Compares the rows with the limits and with the committed figures and returns a line for each fault.
 ///
 /// # Errors
 /// The committed figures cannot be read.
 pub fn check(rows: &[Row]) -> Result<Vec<String>> {
-    let path = figures_file();
-    let text = fs::read_to_string(&path).map_err(Error::file(&path))?;
-    let committed: Vec<Row> = serde_json::from_str(&text)
-        .map_err(|error| Error::Setup(format!("{}: {error}; write it with --bless", path.display())))?;
+    let committed: Vec<Row> = figures::read(&figures_file())?;
     let mut complaints = Vec::new();
     if let Some(other) = rows.iter().find(|row| row.signature != rows[0].signature) {
         complaints.push(format!("{} {}: another signature than {}", other.target, other.profile, rows[0].target));
@@ -53,7 +48,7 @@ pub fn check(rows: &[Row]) -> Result<Vec<String>> {
     Ok(complaints)
 }
 
-/// The figures of a row that are beyond their limits.
+/// A line for each figure of a row that is beyond its limit.
 pub fn beyond_limits(row: &Row) -> Vec<String> {
     let embedded = row.stack_bytes.is_some();
     let figures = [
@@ -71,7 +66,7 @@ pub fn beyond_limits(row: &Row) -> Vec<String> {
     figures.into_iter().filter_map(over).collect()
 }
 
-/// Where a row is not what was committed.
+/// A line for each difference between a row and the committed one.
 fn changes(row: &Row, committed: &Row) -> Vec<String> {
     let mut found = Vec::new();
     let name = format!("{} {}", row.target, row.profile);
@@ -80,7 +75,7 @@ fn changes(row: &Row, committed: &Row) -> Vec<String> {
     }
     for ((figure, now), (_, then)) in row.instructions.named().into_iter().zip(committed.instructions.named()) {
         let close = match (now, then) {
-            (Some(now), Some(then)) => 100 * now.abs_diff(then) <= TOLERANCE * then,
+            (Some(now), Some(then)) => is_close(now, then),
             (now, then) => now == then,
         };
         if !close {
@@ -91,13 +86,12 @@ fn changes(row: &Row, committed: &Row) -> Vec<String> {
     found
 }
 
-/// Commits to these rows: writes the figures and the table in the document.
+/// Writes the rows to the file of committed figures and to the table in the document.
 ///
 /// # Errors
-/// A file cannot be read or written, or the document has no place for the table.
+/// A file cannot be read or written, or the comments around the table are missing.
 pub fn bless(rows: &[Row]) -> Result<()> {
-    let path = figures_file();
-    fs::write(&path, row::json(rows) + "\n").map_err(Error::file(&path))?;
+    figures::write(&figures_file(), rows)?;
     document::replace_table("docs/targets.md", "targets", &row::table(rows))
 }
 

@@ -1,4 +1,5 @@
-//! The flight program in QEMU, flown over its serial line beside the same server on this computer.
+//! Test flights of the flight program in QEMU, over its serial line. The same requests go to a server on this
+//! computer, and the answers must be equal.
 
 mod qmp;
 pub mod session;
@@ -15,26 +16,26 @@ use firmware_core::neighbour_table::Moment;
 use firmware_core::pil::{Decided, Fault, MAX_POIS, Setup};
 
 use super::artefacts::{Actors, Image};
-use super::elf;
 use super::qemu::Machine;
 use crate::error::{Error, Result};
 use session::Session;
 
-/// Steps to fly.
+/// Steps of a flight.
 const STEPS: u32 = 40;
-/// Bytes of noise that the line brings before some steps.
+/// Bytes of noise on the serial line before some of the steps.
 const NOISE: usize = 5000;
+/// Length of a step, ms.
 const STEP_MS: u16 = 2000;
-/// UAVs around the one on the board: more than its table holds.
+/// UAVs around the one on the board; more than its neighbour table holds.
 const SWARM: u16 = 20;
-/// What a request may take on a busy computer.
+/// Time limit and attempts of a request, enough for a busy computer.
 pub const PATIENCE: Options = Options { timeout: Duration::from_secs(30), attempts: 2 };
 
-/// Flies [`STEPS`] steps in a dense swarm with every kind of request and noise on the line, with each of the
-/// actors, and returns the deepest stack, bytes.
+/// Flies [`STEPS`] steps with each of the actor files, in a dense swarm, with every kind of request and with noise on
+/// the line. Returns the deepest stack of the flight program, bytes.
 ///
 /// # Errors
-/// The board answers otherwise than this computer, or not at all.
+/// The board answers something else than this computer, or does not answer.
 pub fn fly(machine: Machine, image: &Image, actors: &[&Path]) -> Result<u64> {
     let mut deepest = 0;
     for actor in actors {
@@ -43,7 +44,7 @@ pub fn fly(machine: Machine, image: &Image, actors: &[&Path]) -> Result<u64> {
         let session = Session::start(machine, &image.flight, Some(&file))?;
         let there = mission(&mut session.client(PATIENCE)?, |noise| Ok(session.write(noise)?))?;
         if let Some(step) = (0..STEPS as usize).find(|&step| here.decisions[step] != there.decisions[step]) {
-            return Err(Error::Setup(format!(
+            return Err(Error::Board(format!(
                 "{}: step {step} with {}: the board decides {:?}, this computer {:?}",
                 machine.target(),
                 actor.display(),
@@ -52,17 +53,18 @@ pub fn fly(machine: Machine, image: &Image, actors: &[&Path]) -> Result<u64> {
             )));
         }
         if here.signature != there.signature {
-            return Err(Error::Setup(format!("{}: the board's signature differs", machine.target())));
+            return Err(Error::Board(format!("{}: the board's signature differs", machine.target())));
         }
         deepest = deepest.max(session.stack_used(&image.flight)?);
     }
     Ok(deepest)
 }
 
-/// Starts the flight program with a damaged actor file and with none: it must say so, and refuse to fly.
+/// Starts the flight program with a damaged actor file and without one, and checks that it reports this and refuses
+/// to decide.
 ///
 /// # Errors
-/// It does not.
+/// It does not report the fault, or decides all the same.
 pub fn refuses_bad_files(machine: Machine, image: &Image, actors: &Actors) -> Result<()> {
     let mut bytes = fs::read(&actors.gcn).map_err(Error::file(&actors.gcn))?;
     bytes[1000] ^= 1;
@@ -74,7 +76,7 @@ pub fn refuses_bad_files(machine: Machine, image: &Image, actors: &Actors) -> Re
         let refused = board.decide(0).is_err();
         let expected = matches!(&answer, Err(PilError::Refused(refusal)) if refusal.to_string() == fault.to_string());
         if !expected || said != Some(Err(fault)) || !refused {
-            return Err(Error::Setup(format!(
+            return Err(Error::Board(format!(
                 "{}: expected the board to refuse ({fault}); it started with {said:?} and answered {answer:?}",
                 machine.target()
             )));
@@ -83,26 +85,29 @@ pub fn refuses_bad_files(machine: Machine, image: &Image, actors: &Actors) -> Re
     Ok(())
 }
 
-/// What came of a mission.
+/// The answers during a mission.
 struct Log {
+    /// The decision of each step.
     decisions: Vec<Decided>,
+    /// The actor's signature.
     signature: u64,
 }
 
+/// The set-up of the UAV on the board.
 fn setup() -> Setup {
     Setup { id: 3, seed: 10, argmax: false, step_ms: STEP_MS, half_side: 100 * TICKS_PER_U }
 }
 
-/// Flies the mission; `disturb` puts noise on the line.
+/// Flies the mission with the server at the other end of the link; `disturb` puts noise on the line.
 fn mission<S: Read + Write>(board: &mut Client<S>, mut disturb: impl FnMut(&[u8]) -> Result<()>) -> Result<Log> {
     let mut random = Random(7);
-    let info = board.hello(setup())?.actor.map_err(|fault| Error::Setup(fault.to_string()))?;
+    let info = board.hello(setup())?.actor.map_err(|fault| Error::Board(fault.to_string()))?;
     let hash = (info.content_hash ^ (info.content_hash >> 32)) as u32;
     let mut decisions = Vec::new();
     for step in 0..STEPS {
         if step % 8 == 3 {
             let noise: Vec<u8> = (0..NOISE).map(|_| random.next() as u8).collect();
-            // The zero ends what the noise began, so that only noise is lost.
+            // The zero byte ends the frame that the noise may have begun, so no request is lost with it.
             disturb(&[&noise[..], &[0]].concat())?;
         }
         let now = Moment { step, time_ms: step * u32::from(STEP_MS) };
@@ -130,10 +135,11 @@ fn mission<S: Read + Write>(board: &mut Client<S>, mut disturb: impl FnMut(&[u8]
     Ok(Log { decisions, signature })
 }
 
-/// splitmix64.
+/// The random number generator splitmix64.
 struct Random(u64);
 
 impl Random {
+    /// The next 32 random bits.
     fn next(&mut self) -> u32 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -141,40 +147,11 @@ impl Random {
         ((z ^ (z >> 31)) >> 32) as u32
     }
 
-    /// Both coordinates within this many map units of zero.
+    /// A random position or velocity whose coordinates are at most `range_u` map units from zero.
     fn around(&mut self, range_u: i32) -> Vec2 {
         let range = range_u * TICKS_PER_U;
         let mut axis = || (self.next() % (2 * range as u32 + 1)) as i32 - range;
         let (x, y) = (axis(), axis());
         Vec2::from_ticks(x, y)
-    }
-}
-
-/// Bytes of paint that are gone, seen from the stack's far end: `ram` begins there.
-fn deepest(ram: &[u8], paint: u32) -> u64 {
-    let clean = ram.as_chunks::<4>().0.iter().take_while(|word| u32::from_le_bytes(**word) == paint).count();
-    (ram.len() - 4 * clean) as u64
-}
-
-/// The stack's ends in an image: the far one and the one where it begins.
-fn stack_of(image: &Path) -> Result<(u64, u64)> {
-    Ok((elf::address_of(image, "_stack_end")?, elf::address_of(image, "_stack_start")?))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::deepest;
-
-    #[test]
-    fn the_deepest_stack_ends_at_the_last_paint() {
-        const PAINT: u32 = 0xcccc_cccc;
-        let mut ram = vec![0xcc; 64];
-        assert_eq!(deepest(&ram, PAINT), 0);
-        ram[60..].fill(1);
-        assert_eq!(deepest(&ram, PAINT), 4);
-        // What looks like paint in the middle was used all the same.
-        ram[20] = 0;
-        assert_eq!(deepest(&ram, PAINT), 44);
-        assert_eq!(deepest(&[0; 8], PAINT), 8);
     }
 }

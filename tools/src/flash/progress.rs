@@ -1,0 +1,6 @@
+//! What `cargo xtask flash` prints while it works.
+
+/// Prints one line of progress.
+pub fn say(text: &str) {
+    println!("flash: {text}");
+}
