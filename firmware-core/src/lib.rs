@@ -15,6 +15,7 @@
 
 pub mod action;
 pub mod actor;
+pub mod agent;
 pub mod gate;
 pub mod geometry;
 pub mod kernel;
