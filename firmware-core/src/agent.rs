@@ -21,7 +21,7 @@ use crate::actor::{self, ActorInput, Logits, Mode, NeighbourFeature, QuantisedAc
 use crate::geometry::{MAP_SIDE_U, State, TICKS_PER_U, Vec2};
 use crate::message::{self, Beacon, Header, Message};
 use crate::neighbour_table::{Answer, DEFAULT_STEP_MS, Moment, NeighbourTable, PolicyId};
-use crate::observation::{Form, Neighbours, Scene};
+use crate::observation::{BuildObservation, Neighbours, Scene};
 use crate::random::tie_breaker;
 
 /// Who an agent is, and what it shares with its swarm.
@@ -150,12 +150,12 @@ impl Agent {
     /// Builds the observation of the step `now`: of the own state, of the neighbours in range,
     /// each where its last beacon says that it is by then, and of the PoIs at the positions
     /// `pois` (ticks; those out of view are left out, their order does not matter).
-    pub fn observe<O: Form>(&mut self, now: Moment, own: State, pois: impl IntoIterator<Item = Vec2>) -> O {
+    pub fn observe<O: BuildObservation>(&mut self, now: Moment, own: State, pois: impl IntoIterator<Item = Vec2>) -> O {
         self.table.view(own.position, now, &mut self.neighbours);
         (self.step, self.feature) = (Some(now.step), None);
         let AgentSettings { id, half_side, .. } = self.settings;
         let tie = self.tie_breaker(now.step);
-        O::of(&Scene { id, own, tie, half_side, neighbours: &self.neighbours }, pois)
+        O::build(&Scene { id, own, tie, half_side, neighbours: &self.neighbours }, pois)
     }
 
     /// Encodes the observation of the step observed last. Returns the feature message for the

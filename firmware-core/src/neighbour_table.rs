@@ -157,7 +157,7 @@ impl NeighbourTable {
         self.expire(now);
         out.clear();
         for e in &self.entries {
-            out.offer(e.seen_from(own_position, now, self.step_ms()));
+            out.insert(e.seen_from(own_position, now, self.step_ms()));
         }
     }
 

@@ -60,7 +60,7 @@ fn a_step_is_what_its_parts_make_of_it() {
         let ties = [7, 9].map(|id| actor.tie_breaker(SEED, id, 5));
         let seen = |id, tie, own: State, from: State| {
             let mut neighbours = Neighbours::new();
-            neighbours.offer(Neighbour { id, offset: own.position - from.position, velocity: own.velocity, tie });
+            neighbours.insert(Neighbour { id, offset: own.position - from.position, velocity: own.velocity, tie });
             neighbours
         };
         let encoded = |id, tie, own, neighbours: &Neighbours| {

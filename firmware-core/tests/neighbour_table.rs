@@ -395,7 +395,7 @@ proptest! {
             id, offset: Vec2 { x, y }, velocity: Vec2::default(), tie: 5,
         }).collect();
         let mut direct = Neighbours::new();
-        all.iter().for_each(|&n| direct.offer(n));
+        all.iter().for_each(|&n| direct.insert(n));
         all.sort_by_key(|n| u64::from(n.id).wrapping_mul(order | 1));
         let mut t = table();
         for n in &all {
@@ -448,7 +448,7 @@ proptest! {
         let mut direct = Neighbours::new();
         for (i, s) in states.iter().enumerate().skip(1) {
             let offset = s.position - states[0].position;
-            direct.offer(Neighbour { id: i as u16, offset, velocity: s.velocity, tie: tie(i) });
+            direct.insert(Neighbour { id: i as u16, offset, velocity: s.velocity, tie: tie(i) });
         }
         let mut heard = Neighbours::new();
         t.view(states[0].position, at(step), &mut heard);

@@ -88,7 +88,7 @@ pub unsafe extern "C" fn covey_observe(scene: *const CoveyScene, view: *mut Cove
     let mut neighbours = Neighbours::new();
     for n in around.iter().filter(|n| n.id != scene.id) {
         let offset = Vec2::from(n.position) - own.position;
-        neighbours.offer(Neighbour { id: n.id, offset, velocity: n.velocity.into(), tie: n.tie });
+        neighbours.insert(Neighbour { id: n.id, offset, velocity: n.velocity.into(), tie: n.tie });
     }
     let CoveyScene { id, tie, half_side, .. } = *scene;
     view.observation =

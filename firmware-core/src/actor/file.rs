@@ -61,7 +61,7 @@ pub struct Body<'a> {
     pub weights: &'a [u8],
     /// Every layer's biases and multipliers, i32 little-endian.
     pub tables: &'a [u8],
-    /// Form of the observation ([`observation::Form::ID`]).
+    /// Form of the observation ([`observation::BuildObservation::ID`]).
     pub observation: u16,
     /// Form of the aggregation.
     pub aggregation: Aggregation,

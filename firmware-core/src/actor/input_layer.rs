@@ -2,13 +2,13 @@
 
 use super::layer::{Activations, Layer, LayerError, MAX_COLUMNS, MAX_ROWS, Rectified};
 use crate::observation::cells::{self, Cells, MAX_ACTIVE, VELOCITY};
-use crate::observation::{Form, LEN, Observation};
+use crate::observation::{BuildObservation, LEN, Observation};
 use core::fmt::Debug;
 use rand_xoshiro::Xoshiro128PlusPlus;
 use rand_xoshiro::rand_core::Rng;
 
 /// A form of the observation that an actor can fly with.
-pub trait ActorInput: Form {
+pub trait ActorInput: BuildObservation {
     /// The first layer, read in place.
     type First<'a>: Copy + Debug + Send + Sync;
     /// The length, for people.
@@ -162,7 +162,7 @@ impl ActorInput for Cells {
             &[_, x, y, ref ones @ ..] => {
                 Self::new([x as i8, y as i8], ones.as_chunks().0.iter().map(|&b| u16::from_le_bytes(b)))
             }
-            _ => Self::BLANK,
+            _ => Self::ZERO,
         }
     }
 

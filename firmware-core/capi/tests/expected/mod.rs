@@ -144,7 +144,7 @@ fn flight(file: &[u8]) -> String {
     let mut neighbours = Neighbours::new();
     for i in (0..20).filter(|&i| i != 4) {
         let (offset, velocity) = (Vec2 { x: 900 * i, y: -300 * i }, Vec2 { x: 10 * i, y: -20 * i });
-        neighbours.offer(Neighbour { id: 100 + i as u16, offset, velocity, tie: (3 * i - 30) as i8 });
+        neighbours.insert(Neighbour { id: 100 + i as u16, offset, velocity, tie: (3 * i - 30) as i8 });
     }
     let pois = (0..30).map(|i| Vec2 { x: 102_400 - 700 * i, y: 102_400 + 100 * i });
     let observation = observe(&Scene { id: ID, own, tie, half_side: 102_400, neighbours: &neighbours }, pois);

@@ -6,7 +6,7 @@ use crate::observer::Neighbourhood;
 use crate::world::World;
 use firmware_core::message::Feature;
 use firmware_core::neighbour_table::PolicyId;
-use firmware_core::observation::Form;
+use firmware_core::observation::BuildObservation;
 use firmware_core::random::tie_breaker;
 
 /// Features of one number stand for those of a policy that is still learning: they travel, get
@@ -49,7 +49,7 @@ impl RadioObserver {
     ///
     /// # Panics
     /// When `out`, `links` or the swarm has not one entry a UAV.
-    pub fn observe<O: Form>(&mut self, world: &World, out: &mut [O], links: &mut [Neighbourhood]) {
+    pub fn observe<O: BuildObservation>(&mut self, world: &World, out: &mut [O], links: &mut [Neighbourhood]) {
         let uavs = world.scenario().uavs;
         assert!(
             out.len() == uavs && links.len() == uavs,

@@ -46,7 +46,7 @@ impl<'a, O: ActorInput> RadioPolicy<'a, O> {
     ) -> Result<Self, RadioError> {
         let mut swarm = Swarm::new(link, uavs, PolicyId::of(&actor))?;
         swarm.begin(seed);
-        let observations = vec![O::BLANK; uavs];
+        let observations = vec![O::ZERO; uavs];
         let features = observations.iter().map(|o| actor.encode(o)).collect();
         Ok(Self { actor, seed, mode, swarm, observations, features })
     }
