@@ -17,10 +17,10 @@
 //! steps that need the actor borrow it.
 
 use crate::action::Action;
-use crate::actor::{self, ActorInput, Logits, Mode, NeighbourFeature, QuantisedActor};
+use crate::actor::{ActorInput, Feature, Logits, Mode, NeighbourFeature, PolicyId, QuantisedActor};
 use crate::geometry::{MAP_SIDE_U, State, TICKS_PER_U, Vec2};
-use crate::message::{self, Beacon, Header, Message};
-use crate::neighbour_table::{Answer, DEFAULT_STEP_MS, Moment, NeighbourTable, PolicyId};
+use crate::message::{Beacon, FeatureMessage, Header, Message};
+use crate::neighbour_table::{DEFAULT_STEP_MS, MessageOutcome, Moment, NeighbourTable};
 use crate::observation::{BuildObservation, Neighbours, Scene};
 use crate::random::tie_breaker;
 
@@ -50,7 +50,7 @@ impl AgentSettings {
     pub fn new<O: ActorInput>(actor: &QuantisedActor<'_, O>, id: u16, policy_seed: u64) -> Self {
         Self {
             id,
-            policy: PolicyId::of(actor),
+            policy: actor.policy_id(),
             tie_period: actor.tie_period(),
             policy_seed,
             mode: Mode::Sample,
@@ -97,7 +97,7 @@ pub struct Agent {
     /// The step of the last observation.
     step: Option<u32>,
     /// What its encoder made of it.
-    feature: Option<actor::Feature>,
+    feature: Option<Feature>,
 }
 
 impl Agent {
@@ -143,7 +143,7 @@ impl Agent {
     }
 
     /// Takes in a message that was heard at `now`, with the own position (ticks) at that time.
-    pub fn hear(&mut self, message: &Message, own_position: Vec2, now: Moment) -> Answer {
+    pub fn hear(&mut self, message: &Message, own_position: Vec2, now: Moment) -> MessageOutcome {
         self.table.hear(message, own_position, now)
     }
 
@@ -170,12 +170,12 @@ impl Agent {
         actor: &QuantisedActor<'_, O>,
         observation: &O,
         sequence: u16,
-    ) -> Result<Option<message::Feature>, AgentError> {
+    ) -> Result<Option<FeatureMessage>, AgentError> {
         self.check(actor)?;
         let step = self.step.ok_or(AgentError::NotObserved)?;
         let feature = self.feature.insert(actor.encode(observation));
         let header = Header { id: self.settings.id, sequence, step };
-        Ok(message::Feature::of(header, degree(&self.neighbours), actor, feature))
+        Ok(FeatureMessage::from_actor(header, degree(&self.neighbours), actor, feature))
     }
 
     /// Decides the step observed last, from the own feature and those heard of the neighbours
@@ -204,7 +204,7 @@ impl Agent {
 
     /// The own feature of the step observed last, once it is encoded.
     #[must_use]
-    pub const fn feature(&self) -> Option<&actor::Feature> {
+    pub const fn feature(&self) -> Option<&Feature> {
         self.feature.as_ref()
     }
 
@@ -234,7 +234,7 @@ impl Agent {
     }
 
     fn check<O: ActorInput>(&self, actor: &QuantisedActor<'_, O>) -> Result<(), AgentError> {
-        if PolicyId::of(actor) == self.settings.policy { Ok(()) } else { Err(AgentError::OtherActor) }
+        if actor.policy_id() == self.settings.policy { Ok(()) } else { Err(AgentError::OtherActor) }
     }
 }
 

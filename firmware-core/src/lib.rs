@@ -18,6 +18,7 @@ pub mod actor;
 pub mod agent;
 pub mod gate;
 pub mod geometry;
+pub mod hash;
 pub mod kernel;
 pub mod message;
 pub mod neighbour_table;

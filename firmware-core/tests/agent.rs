@@ -7,7 +7,7 @@ use firmware_core::actor::{Actor, Aggregation, CellsActor, Mode};
 use firmware_core::agent::{Agent, AgentError, AgentSettings};
 use firmware_core::geometry::{State, Vec2};
 use firmware_core::message::{Beacon, MAX_LEN, Message};
-use firmware_core::neighbour_table::{Answer, DEFAULT_STEP_MS, Moment};
+use firmware_core::neighbour_table::{DEFAULT_STEP_MS, MessageOutcome, Moment};
 use firmware_core::observation::cells::Cells;
 use firmware_core::observation::{Neighbour, Neighbours, Observation, Scene, observe};
 
@@ -147,10 +147,10 @@ fn its_own_messages_and_old_ones_are_not_heard() {
     let actor = Actor::load(&file).unwrap();
     let mut agent = Agent::new(AgentSettings::new(&actor, 7, SEED));
     let own = Message::Beacon(agent.beacon(at(5), 5, state(100.0, 100.0)));
-    assert_eq!(agent.hear(&own, Vec2::default(), at(5)), Answer::OwnId);
+    assert_eq!(agent.hear(&own, Vec2::default(), at(5)), MessageOutcome::OwnId);
     let other = Agent::new(AgentSettings::new(&actor, 9, SEED));
     let late: Beacon = other.beacon(at(1), 1, state(100.0, 100.0));
-    assert_eq!(agent.hear(&Message::Beacon(late), Vec2::default(), at(5)), Answer::Late);
+    assert_eq!(agent.hear(&Message::Beacon(late), Vec2::default(), at(5)), MessageOutcome::Late);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The first layer of an actor: it depends on what the actor observes.
 
-use super::layer::{Activations, Layer, LayerError, MAX_COLUMNS, MAX_ROWS, Rectified};
+use super::layer::{Activations, Layer, LayerError, MAX_INPUTS, MAX_ROWS, Rectified};
 use crate::observation::cells::{self, Cells, MAX_ACTIVE, VELOCITY};
 use crate::observation::{BuildObservation, LEN, Observation};
 use core::fmt::Debug;
@@ -54,7 +54,7 @@ impl ActorInput for Observation {
 
     #[inline]
     fn apply(&self, first: &Layer<'_>, out: &mut [i16]) {
-        let mut x = Activations::<MAX_COLUMNS>::zero();
+        let mut x = Activations::<MAX_INPUTS>::zero();
         for (x, &o) in x.0.iter_mut().zip(self) {
             *x = i16::from(o);
         }
@@ -184,7 +184,7 @@ impl ActorInput for Cells {
     }
 }
 
-const _: () = assert!(LEN <= MAX_COLUMNS && MAX_ROWS.is_multiple_of(BLOCK));
+const _: () = assert!(LEN <= MAX_INPUTS && MAX_ROWS.is_multiple_of(BLOCK));
 
 #[cfg(test)]
 mod tests {

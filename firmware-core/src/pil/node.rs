@@ -3,13 +3,16 @@
 //! Each request has a function of its own on the stack, so that a board needs room for the
 //! deepest, not for their sum: hence `inline(never)`.
 
-use super::record::{ActorInfo, Decided, Fault, Hear, Observe, Observed, Refusal, Reply, Report, Setup};
-use super::{MAX_CASES, MAX_POIS, POI_BYTES};
-use crate::actor::{Actor, Fingerprint, Mode};
+use super::error::{ActorError, RequestError};
+use super::limits::{MAX_CASES, MAX_POIS, POI_BYTES};
+use super::reply::{ActorInfo, Decided, Observed, Reply, Report};
+use super::request::{Hear, Observe, Setup};
+use super::status::{Counters, Status};
+use crate::actor::{Actor, Fingerprint, Mode, PolicyId};
 use crate::agent::{Agent, AgentSettings};
 use crate::geometry::{State, Vec2};
 use crate::message::{MAX_LEN, Message};
-use crate::neighbour_table::{DEFAULT_STEP_MS, Moment, PolicyId};
+use crate::neighbour_table::{DEFAULT_STEP_MS, Moment};
 use crate::observation::Observation;
 
 /// The agent's settings until a host says whom the board flies for.
@@ -24,7 +27,7 @@ const NOBODY: AgentSettings = AgentSettings {
 };
 
 pub(super) struct Node<'a> {
-    actor: Result<Actor<'a>, Fault>,
+    actor: Result<Actor<'a>, ActorError>,
     agent: Agent,
     /// Whether the agent was set up.
     started: bool,
@@ -38,7 +41,7 @@ pub(super) struct Node<'a> {
 impl<'a> Node<'a> {
     pub(super) const fn new() -> Self {
         Self {
-            actor: Err(Fault::NotLoaded),
+            actor: Err(ActorError::NotLoaded),
             agent: Agent::new(NOBODY),
             started: false,
             decisions: 0,
@@ -57,7 +60,7 @@ impl<'a> Node<'a> {
     fn read(&mut self, file: &'a [u8]) {
         self.started = false;
         self.agent.reset(NOBODY);
-        self.actor = Actor::load(file).map_err(Fault::from);
+        self.actor = Actor::load(file).map_err(ActorError::from);
     }
 
     /// A self-test that fails takes the actor away for good.
@@ -66,29 +69,29 @@ impl<'a> Node<'a> {
         if let Ok(actor) = &self.actor
             && let Err(e) = actor.self_test()
         {
-            self.actor = Err(Fault::SelfTest(e.vector as u8));
+            self.actor = Err(ActorError::SelfTest(e.vector as u8));
         }
     }
 
     pub(super) fn report(&self) -> Report<'static> {
-        let actor = self.actor.as_ref().map_err(|&fault| fault).map(|actor| ActorInfo {
+        let actor = self.actor.as_ref().map_err(|&error| error).map(|actor| ActorInfo {
             content_hash: actor.content_hash(),
             observation: crate::observation::ID,
             aggregation: actor.aggregation(),
-            width: PolicyId::of(actor).width,
+            width: actor.policy_id().width,
             tie_period: actor.tie_period(),
         });
         Report { software: env!("CARGO_PKG_VERSION"), actor }
     }
 
-    /// Everything of a [`super::Status`] but the counters of the line.
-    pub(super) fn status(&self) -> super::Status {
-        super::Status {
+    /// Everything of a [`Status`] but the counters of the line.
+    pub(super) fn status(&self) -> Status {
+        Status {
             started: self.started,
             observed: self.agent.observed_step(),
             kept: self.agent.known() as u8,
             decisions: self.decisions,
-            counters: super::Counters::default(),
+            counters: Counters::default(),
         }
     }
 
@@ -106,19 +109,19 @@ impl<'a> Node<'a> {
     }
 
     #[inline(never)]
-    pub(super) fn hear(&mut self, heard: &Hear<'_>) -> Result<Reply<'static>, Refusal> {
+    pub(super) fn hear(&mut self, heard: &Hear<'_>) -> Result<Reply<'static>, RequestError> {
         ready(&self.actor, self.started)?;
-        let message = Message::decode(heard.message).map_err(|_| Refusal::Message)?;
+        let message = Message::decode(heard.message).map_err(|_| RequestError::Message)?;
         let [x, y] = heard.position;
-        let answer = self.agent.hear(&message, Vec2::from_ticks(x, y), heard.now);
-        Ok(Reply::Heard { answer, kept: self.agent.known() as u8 })
+        let outcome = self.agent.hear(&message, Vec2::from_ticks(x, y), heard.now);
+        Ok(Reply::Heard { outcome, kept: self.agent.known() as u8 })
     }
 
     #[inline(never)]
-    pub(super) fn observe(&mut self, request: &Observe<'_>) -> Result<Reply<'_>, Refusal> {
+    pub(super) fn observe(&mut self, request: &Observe<'_>) -> Result<Reply<'_>, RequestError> {
         let actor = ready(&self.actor, self.started)?;
         if !request.pois.len().is_multiple_of(POI_BYTES) || request.pois.len() > MAX_POIS * POI_BYTES {
-            return Err(Refusal::Pois);
+            return Err(RequestError::Pois);
         }
         let Moment { step, .. } = request.now;
         let observation = observe(&mut self.agent, request.now, request.own(), request.pois);
@@ -134,20 +137,20 @@ impl<'a> Node<'a> {
     }
 
     #[inline(never)]
-    pub(super) fn decide(&mut self, step: u32) -> Result<Reply<'static>, Refusal> {
+    pub(super) fn decide(&mut self, step: u32) -> Result<Reply<'static>, RequestError> {
         let actor = ready(&self.actor, self.started)?;
         if self.agent.observed_step() != Some(step) {
-            return Err(Refusal::NotObserved);
+            return Err(RequestError::NotObserved);
         }
-        let decision = self.agent.decide(actor).map_err(|_| Refusal::NotObserved)?;
+        let decision = self.agent.decide(actor).map_err(|_| RequestError::NotObserved)?;
         self.decisions = self.decisions.wrapping_add(1);
         let (action, features, logits) = (decision.action.index(), decision.features, decision.logits);
         Ok(Reply::Decided(Decided { step, action, features, logits }))
     }
 
     #[inline(never)]
-    pub(super) fn sign(&mut self, from: u32, cases: u16) -> Result<Reply<'static>, Refusal> {
-        let actor = self.actor.as_ref().map_err(|&fault| Refusal::Fault(fault))?;
+    pub(super) fn sign(&mut self, from: u32, cases: u16) -> Result<Reply<'static>, RequestError> {
+        let actor = self.actor.as_ref().map_err(|&error| RequestError::Actor(error))?;
         if from == 0 {
             (self.fingerprint, self.signed) = (Fingerprint::new(), 0);
         }
@@ -168,9 +171,9 @@ fn observe(agent: &mut Agent, now: Moment, own: State, pois: &[u8]) -> Observati
 }
 
 /// By reference: an actor is a few hundred bytes, much for a board's stack.
-fn ready<'n, 'a>(actor: &'n Result<Actor<'a>, Fault>, started: bool) -> Result<&'n Actor<'a>, Refusal> {
-    let actor = actor.as_ref().map_err(|&fault| Refusal::Fault(fault))?;
-    if started { Ok(actor) } else { Err(Refusal::NotStarted) }
+fn ready<'n, 'a>(actor: &'n Result<Actor<'a>, ActorError>, started: bool) -> Result<&'n Actor<'a>, RequestError> {
+    let actor = actor.as_ref().map_err(|&error| RequestError::Actor(error))?;
+    if started { Ok(actor) } else { Err(RequestError::NotStarted) }
 }
 
 fn offset(poi: &[u8]) -> Vec2 {

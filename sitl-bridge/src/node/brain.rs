@@ -12,7 +12,7 @@ use firmware_core::action::Action;
 use firmware_core::actor::{Actor, Feature};
 use firmware_core::geometry::State;
 use firmware_core::message::{self, Beacon, Header, Message};
-use firmware_core::neighbour_table::{Moment, NeighbourTable, PolicyId};
+use firmware_core::neighbour_table::{Moment, NeighbourTable};
 use firmware_core::observation::{Neighbours, Scene, observe};
 use std::sync::Arc;
 
@@ -116,7 +116,7 @@ impl<'a> Brain<'a> {
     /// passed its self-test.
     #[must_use]
     pub fn new(id: u16, actor: Actor<'a>, mission: Arc<Mission>, pois: Arc<PoiMap>, timing: Timing) -> Self {
-        let table = NeighbourTable::new(id, PolicyId::of(&actor), mission.scale.step_ms);
+        let table = NeighbourTable::new(id, actor.policy_id(), mission.scale.step_ms);
         let epoch_ms = Some(mission.epoch_unix_ms);
         Self {
             id,
@@ -153,7 +153,7 @@ impl<'a> Brain<'a> {
     pub fn forget(&mut self) {
         (self.step, self.plan) = (None, None);
         self.early.clear();
-        self.table.reset(self.id, PolicyId::of(&self.actor), self.mission.scale.step_ms);
+        self.table.reset(self.id, self.actor.policy_id(), self.mission.scale.step_ms);
     }
 
     /// The flight last decided on.
@@ -248,7 +248,7 @@ impl<'a> Brain<'a> {
         if step.encoded.is_none() && phase_ms >= i64::from(self.timing.encode_ms) {
             let encoded = self.encode(&step);
             let header = self.header(Kind::Feature, step.moment.step, sample.common_ms);
-            let feature = message::Feature::of(header, encoded.degree, &self.actor, &encoded.feature);
+            let feature = message::FeatureMessage::from_actor(header, encoded.degree, &self.actor, &encoded.feature);
             thought.messages.extend(feature.map(Message::Feature));
             step.encoded = Some(encoded);
         }

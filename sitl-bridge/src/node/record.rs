@@ -2,7 +2,7 @@
 
 use firmware_core::gate::Limited;
 use firmware_core::geometry::State;
-use firmware_core::neighbour_table::Answer;
+use firmware_core::neighbour_table::MessageOutcome;
 use firmware_core::observation::{MAX_NEIGHBOURS, Observation};
 use std::collections::BTreeMap;
 
@@ -109,7 +109,7 @@ impl Counters {
         ["speed", "acceleration", "fence", "altitude"].into_iter().zip(self.limited).collect()
     }
 
-    pub(super) fn answer(&mut self, answer: Answer) {
+    pub(super) fn answer(&mut self, answer: MessageOutcome) {
         if answer.is_taken() {
             self.received += 1;
         } else {
@@ -145,21 +145,21 @@ impl Counters {
 }
 
 /// The name of a table's answer in summaries: the variant's in snake case.
-const fn answer_name(answer: Answer) -> &'static str {
+const fn answer_name(answer: MessageOutcome) -> &'static str {
     match answer {
-        Answer::New => "new",
-        Answer::Replaced(_) => "replaced",
-        Answer::Updated => "updated",
-        Answer::Confirmed => "confirmed",
-        Answer::Suspicious => "suspicious",
-        Answer::OwnId => "own_id",
-        Answer::Repeated => "repeated",
-        Answer::Older => "older",
-        Answer::Late => "late",
-        Answer::Ahead => "ahead",
-        Answer::TooFar => "too_far",
-        Answer::UnknownSender => "unknown_sender",
-        Answer::ForeignActor => "foreign_actor",
-        Answer::WrongWidth => "wrong_width",
+        MessageOutcome::New => "new",
+        MessageOutcome::Replaced(_) => "replaced",
+        MessageOutcome::Updated => "updated",
+        MessageOutcome::Confirmed => "confirmed",
+        MessageOutcome::Suspicious => "suspicious",
+        MessageOutcome::OwnId => "own_id",
+        MessageOutcome::Repeated => "repeated",
+        MessageOutcome::Older => "older",
+        MessageOutcome::Late => "late",
+        MessageOutcome::Ahead => "ahead",
+        MessageOutcome::TooFar => "too_far",
+        MessageOutcome::UnknownSender => "unknown_sender",
+        MessageOutcome::ForeignActor => "foreign_actor",
+        MessageOutcome::WrongWidth => "wrong_width",
     }
 }

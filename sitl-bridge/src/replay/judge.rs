@@ -6,7 +6,7 @@ use crate::mission::Scale;
 use crate::node::{Counters, Decision, FeedForward, Plan};
 use crate::swarm_link::neighbour_message;
 use firmware_core::action::{ACTIONS, Action};
-use firmware_core::message::{Feature, Header, Message};
+use firmware_core::message::{FeatureMessage, Header, Message};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -154,8 +154,8 @@ pub struct Judge {
     feed_forward: FeedForward,
     case: Option<Case>,
     /// Features by step: told in flight, and now.
-    told: BTreeMap<u32, Feature>,
-    told_again: BTreeMap<u32, Feature>,
+    told: BTreeMap<u32, FeatureMessage>,
+    told_again: BTreeMap<u32, FeatureMessage>,
     /// Actions decided now.
     decided: BTreeMap<u32, u8>,
     account: Account,
@@ -294,8 +294,8 @@ impl Judge {
 }
 
 /// A step and its feature, but for the number of the message.
-fn feature(frame: &Frame) -> Option<(u32, Feature)> {
+fn feature(frame: &Frame) -> Option<(u32, FeatureMessage)> {
     let Message::Feature(f) = neighbour_message(frame)? else { return None };
     let header = Header { sequence: 0, ..f.header() };
-    Some((header.step, Feature::new(header, f.degree(), f.actor(), f.attention_source(), f.values()).ok()?))
+    Some((header.step, FeatureMessage::new(header, f.degree(), f.actor(), f.attention_source(), f.values()).ok()?))
 }

@@ -4,7 +4,7 @@
 use crate::flight::{Flight, actor, mission};
 use firmware_core::actor::MAX_FEATURE;
 use firmware_core::geometry::{State, Vec2};
-use firmware_core::message::{Beacon, Feature, Header, Message};
+use firmware_core::message::{Beacon, FeatureMessage, Header, Message};
 use proptest::prelude::*;
 use sitl_bridge::autopilot::{Dialect, Stage};
 use sitl_bridge::frame::{Encoder, Frame};
@@ -53,7 +53,7 @@ fn neighbour(event: &Event, step: u32, common_ms: i64) -> Option<Frame> {
     let step = step.wrapping_add_signed(i32::from(*ahead));
     let header = Header { id: *id, sequence: *sequence, step };
     let message = if *feature {
-        Message::Feature(Feature::new(header, 2, actor().message_hash(), 0, values).ok()?)
+        Message::Feature(FeatureMessage::new(header, 2, actor().message_hash(), 0, values).ok()?)
     } else {
         let state =
             State { position: Vec2::from_ticks(place.0, place.1), velocity: Vec2::from_ticks(place.1, place.0) };

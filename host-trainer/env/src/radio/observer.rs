@@ -4,8 +4,8 @@ use super::settings::{RadioError, RadioSettings};
 use super::swarm::Swarm;
 use crate::observer::Neighbourhood;
 use crate::world::World;
-use firmware_core::message::Feature;
-use firmware_core::neighbour_table::PolicyId;
+use firmware_core::actor::PolicyId;
+use firmware_core::message::FeatureMessage;
 use firmware_core::observation::BuildObservation;
 use firmware_core::random::tie_breaker;
 
@@ -57,7 +57,8 @@ impl RadioObserver {
         );
         let (seed, period, step) = (self.policy_seed, self.tie_period, world.steps_done());
         let tie = |id, step| tie_breaker(seed, id, step, period);
-        self.swarm.look(world, tie, out, |seen| Feature::new(seen.header, seen.degree, POLICY.hash, 0, &[0]).ok());
+        self.swarm
+            .look(world, tie, out, |seen| FeatureMessage::new(seen.header, seen.degree, POLICY.hash, 0, &[0]).ok());
         for (links, board) in links.iter_mut().zip(&self.swarm.boards) {
             *links = Neighbourhood::default();
             // Damage makes ids that nobody has.

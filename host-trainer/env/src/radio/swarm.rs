@@ -4,9 +4,10 @@ use super::figures::RadioFigures;
 use super::model::Radio;
 use super::settings::{RadioError, RadioSettings};
 use crate::world::World;
+use firmware_core::actor::PolicyId;
 use firmware_core::geometry::{COMMUNICATION_RANGE_U, OBSERVATION_RANGE_U, State, TICKS_PER_U, Vec2};
-use firmware_core::message::{Beacon, Feature, Header, MAX_LEN, Message};
-use firmware_core::neighbour_table::{DEFAULT_STEP_MS, Moment, NeighbourTable, PolicyId};
+use firmware_core::message::{Beacon, FeatureMessage, Header, MAX_LEN, Message};
+use firmware_core::neighbour_table::{DEFAULT_STEP_MS, Moment, NeighbourTable};
 use firmware_core::observation::{BuildObservation, Neighbours, Scene};
 
 /// When a UAV looks at its neighbours, encodes and sends its feature: ms after the step began,
@@ -80,7 +81,7 @@ impl Swarm {
         world: &World,
         tie: impl Fn(u16, u32) -> i8,
         out: &mut [O],
-        encode: impl FnMut(&Seen<'_, O>) -> Option<Feature>,
+        encode: impl FnMut(&Seen<'_, O>) -> Option<FeatureMessage>,
     ) {
         let uavs = world.scenario().uavs;
         assert!(uavs == self.boards.len(), "look: {uavs} UAVs, the swarm was made for {}", self.boards.len());
@@ -130,7 +131,7 @@ impl Swarm {
         now: Moment,
         now_ms: u64,
         out: &mut [O],
-        mut encode: impl FnMut(&Seen<'_, O>) -> Option<Feature>,
+        mut encode: impl FnMut(&Seen<'_, O>) -> Option<FeatureMessage>,
     ) {
         let half_side = world.scenario().half_side_ticks();
         for (index, (board, observation)) in self.boards.iter_mut().zip(out).enumerate() {

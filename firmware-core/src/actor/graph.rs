@@ -2,15 +2,11 @@
 //! integers. Weights are Q15; with at most 16 neighbours and the UAV itself a sum
 //! stays below 17·2¹⁵·2⁷ < 2²⁷.
 
+use super::feature::{Feature, MAX_DEGREE, MAX_FEATURE, NeighbourFeature};
 use super::softmax::weight;
-use super::{Feature, MAX_FEATURE, NeighbourFeature};
-use crate::observation::MAX_NEIGHBOURS;
-
-/// Greatest degree: a full table and the UAV itself.
-pub const MAX_DEGREE: u8 = MAX_NEIGHBOURS as u8 + 1;
 
 /// `round(2¹⁵/√d)` for d = 1..=17.
-const INVERSE_ROOT: [i32; MAX_NEIGHBOURS + 1] =
+const INVERSE_ROOT: [i32; MAX_DEGREE as usize] =
     [32768, 23170, 18919, 16384, 14654, 13377, 12385, 11585, 10923, 10362, 9880, 9459, 9088, 8758, 8461, 8192, 7947];
 
 fn inverse_root(degree: u8) -> i32 {
@@ -32,10 +28,10 @@ pub(super) fn gcn<'f>(
 ) -> [i32; MAX_FEATURE] {
     let mut sums = [0; MAX_FEATURE];
     let root = inverse_root(degree);
-    let link = |d: u8| (root * inverse_root(d) + (1 << 14)) >> 15;
-    add(&mut sums, &own.values, link(degree));
+    let edge = |d: u8| (root * inverse_root(d) + (1 << 14)) >> 15;
+    add(&mut sums, &own.values, edge(degree));
     for n in neighbours {
-        add(&mut sums, n.values, link(n.degree));
+        add(&mut sums, n.values, edge(n.degree));
     }
     sums
 }
