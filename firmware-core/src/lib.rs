@@ -21,6 +21,7 @@ pub mod geometry;
 pub mod hash;
 pub mod kernel;
 pub mod message;
+pub mod navigation;
 pub mod neighbour_table;
 pub mod observation;
 pub mod pil;

@@ -1,6 +1,6 @@
 //! From what a UAV knows to its observation.
 
-use crate::slice;
+use crate::slice::slice;
 use crate::status::Status;
 use firmware_core::geometry::{State, Vec2};
 use firmware_core::observation::{LEN, MAX_NEIGHBOURS, Neighbour, Neighbours, Scene, observe};

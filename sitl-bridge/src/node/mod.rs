@@ -457,9 +457,9 @@ impl<'a> Node<'a> {
             heartbeat_ms: vehicle.heartbeat.map(|(_, then)| then),
             battery_permille: vehicle.battery.map(|percent| u16::from(percent) * 10),
             mode: match self.autopilot.mode() {
-                None => gate::Mode::Unknown,
-                Some(Mode::Guided) => gate::Mode::Guided,
-                Some(Mode::TakeoffOrHold | Mode::Other(_)) => gate::Mode::Other,
+                None => gate::FlightMode::Unknown,
+                Some(Mode::Guided) => gate::FlightMode::Guided,
+                Some(Mode::TakeoffOrHold | Mode::Other(_)) => gate::FlightMode::Other,
             },
             armed: self.autopilot.is_armed(),
             airborne: self.autopilot.is_airborne(),

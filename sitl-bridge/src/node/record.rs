@@ -2,6 +2,7 @@
 
 use firmware_core::gate::Limited;
 use firmware_core::geometry::State;
+use firmware_core::hash::Fnv1a;
 use firmware_core::neighbour_table::MessageOutcome;
 use firmware_core::observation::{MAX_NEIGHBOURS, Observation};
 use std::collections::BTreeMap;
@@ -66,9 +67,9 @@ impl Decision {
 /// FNV-1a over the observation: the same on every computer, and enough to tell two apart.
 #[must_use]
 pub fn observation_hash(observation: &Observation) -> u64 {
-    observation.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &v| {
-        (hash ^ u64::from(v.to_le_bytes()[0])).wrapping_mul(0x0000_0100_0000_01b3)
-    })
+    let mut hash = Fnv1a::new();
+    observation.iter().for_each(|v| hash.write(&v.to_le_bytes()));
+    hash.finish()
 }
 
 /// How often things happened.

@@ -6,7 +6,7 @@ use crate::mission::{Mission, PoiMap};
 use crate::signing::LinkSigning;
 use crate::swarm_link::SwarmError;
 use firmware_core::actor::Actor;
-use firmware_core::gate::{FenceError, Limits, LimitsError};
+use firmware_core::gate::{GeofenceError, Limits, LimitsError};
 use firmware_core::geometry::SPEED_CAP_U;
 use std::sync::Arc;
 use thiserror::Error;
@@ -22,7 +22,7 @@ pub enum SettingsError {
     Limits(#[from] LimitsError),
     /// The fence cannot be used.
     #[error("the mission's fence cannot be used: {0}")]
-    Fence(#[from] FenceError),
+    Fence(#[from] GeofenceError),
 }
 
 /// What a node is made from.
@@ -64,7 +64,7 @@ impl Settings<'_> {
     /// Altitude of the UAV's layer above the origin, mm.
     #[must_use]
     pub fn layer_mm(&self) -> i32 {
-        (self.mission.layers.altitude_m(self.id) * 1000.0).round() as i32
+        self.mission.layers.altitude_mm(self.id)
     }
 }
 

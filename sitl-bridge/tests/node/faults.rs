@@ -4,7 +4,7 @@
 
 use crate::flight::{Flight, mission, settings};
 use crate::vehicle::{Setpoint, TICK_MS};
-use firmware_core::gate::{Action, Limits, Reason};
+use firmware_core::gate::{FailsafeAction, Limits, Reason};
 use firmware_core::geometry::Vec2;
 use sitl_bridge::autopilot::{Dialect, Stage, command};
 use sitl_bridge::node::gate_limits;
@@ -95,7 +95,7 @@ fn at_rest(setpoint: &Setpoint) -> bool {
 fn expect(phase: Phase, reason: Reason, begin: impl FnOnce(&mut Flight), tick: impl Fn(&mut Flight)) -> Flight {
     let mut flight = in_phase(phase);
     // In takeoff any cause makes the gate silent.
-    let action = if phase == Phase::Takeoff { Action::Silent } else { reason.action() };
+    let action = if phase == Phase::Takeoff { FailsafeAction::Silent } else { reason.action() };
     let deadline_ms = reason.deadline_ms(&limits());
     let last_ms = flight.vehicle.boot_ms;
     begin(&mut flight);
@@ -108,22 +108,22 @@ fn expect(phase: Phase, reason: Reason, begin: impl FnOnce(&mut Flight), tick: i
         tick(&mut flight);
     }
     let acted = flight.node.verdict().name();
-    assert_eq!(acted, if action == Action::Stop { "hold" } else { action.name() }, "{phase:?}, {reason:?}");
+    assert_eq!(acted, if action == FailsafeAction::Stop { "hold" } else { action.name() }, "{phase:?}, {reason:?}");
     (0..50).for_each(|_| tick(&mut flight));
     let (commands, setpoints) = (since.commands(&flight), since.setpoints(&flight));
     let context = format!("{phase:?}, {reason:?}: commands {commands:?}, setpoints {setpoints:?}");
     match action {
-        Action::Silent => assert!(commands.is_empty() && setpoints.is_empty(), "{context}"),
-        Action::Stop => {
+        FailsafeAction::Silent => assert!(commands.is_empty() && setpoints.is_empty(), "{context}"),
+        FailsafeAction::Stop => {
             let ticks = (limits().stop_ms / TICK_MS) as usize;
             assert!(setpoints.iter().all(at_rest) && (1..=ticks + 1).contains(&setpoints.len()), "{context}");
             assert!(commands.is_empty(), "{context}");
         }
-        Action::Hold => {
+        FailsafeAction::Hold => {
             assert!(setpoints.len() > 40 && setpoints[25..].iter().all(at_rest), "{context}");
             assert!(commands.is_empty(), "{context}");
         }
-        Action::Return => {
+        FailsafeAction::Return => {
             assert_eq!(commands, [command::SET_MODE], "{context}");
             assert!(setpoints.is_empty() && flight.vehicle.custom_mode == RTL, "{context}");
         }

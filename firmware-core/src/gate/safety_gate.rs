@@ -1,69 +1,26 @@
-//! The safety gate between the actor and the autopilot.
-//!
-//! At every tick the gate sees the vehicle's telemetry and what the actor wants ([`Inputs`]) and says what may be sent
-//! ([`Verdict`]): the actor's setpoint within all limits, a setpoint that holds, a command to return home, or nothing.
-//! It takes the vehicle only when the operator asks for it, and once the pilot or a failsafe took over it is silent
-//! until the operator asks anew. `docs/safety.md` has every cause with its action and its time.
-//!
-//! Pure and integer: the same inputs give the same verdicts on every target. All lengths are mm, speeds mm/s,
-//! accelerations mm/s², times wrapping ms.
-//!
-//! ```
-//! use firmware_core::gate::{Fence, Gate, Inputs, Limits, Reason, Vector, Verdict};
-//!
-//! let fence = Fence::rectangle(Vector::new(-20_000, -20_000), Vector::new(520_000, 520_000))?;
-//! let mut gate = Gate::new(Limits::default(), fence)?;
-//! assert_eq!(gate.tick(&Inputs::default()), Verdict::Silent(Reason::NotStarted));
-//! # Ok::<(), Box<dyn core::error::Error>>(())
-//! ```
+//! The gate: phases of a flight, and the verdict at every tick.
 
-mod bounds;
-mod clock;
-mod fence;
-mod fingerprint;
-mod inputs;
-mod limits;
-mod monitor;
-mod reason;
-mod shape;
-pub mod telemetry;
-mod vector;
-mod watch;
-
-pub use fence::{Circle, Fence, FenceError, MAX_CORNERS};
-pub use fingerprint::{FINGERPRINT_TICKS, fingerprint};
-pub use inputs::{Inputs, Limited, Measured, Mode, Proposal, Request, Setpoint, Verdict};
-pub use limits::{Limits, LimitsError, SwarmLoss};
-pub use reason::{Action, Clears, Clock, Reason};
-pub use shape::ROUNDING_MM_S;
-pub use vector::{POSITION_LIMIT_MM, RATE_LIMIT, Vector};
-
-use bounds::Bounds;
-use clock::{Passage, VehicleClock, age_ms};
-use monitor::{Monitor, Tick, is_guided};
-use shape::{From, Wanted, shape};
+use super::approach::{self, ApproachLimits};
+use super::clock::{ClockStep, VehicleClock, age_ms};
+use super::failsafe::FailsafeAction;
+use super::geofence::Geofence;
+use super::inputs::{FlightMode, Inputs, Measured, Request};
+use super::limits::{Limits, LimitsError};
+use super::monitor::{Monitor, MonitorInputs, is_guided};
+use super::phase::Phase;
+use super::reason::Reason;
+use super::setpoint_limiter::{DesiredSetpoint, PreviousSetpoint, limit_setpoint};
+use super::vector::Vector;
+use super::verdict::{Setpoint, Verdict};
 
 /// After this time without a setpoint the next one starts from the measured velocity, ms.
 const STREAM_GAP_MS: u32 = 1000;
-
-/// Where a flight stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
-    /// The vehicle is not ours, and why; only the operator's [`Request::Start`] changes that.
-    Idle(Reason),
-    /// The operator asked for a flight, and the vehicle is not yet in the air and in GUIDED.
-    BringUp,
-    /// In the air.
-    Flight,
-    /// Told to return home, and why.
-    Returning(Reason),
-}
 
 /// The gate of one UAV.
 #[derive(Clone, Debug)]
 pub struct Gate {
     limits: Limits,
-    fence: Fence,
+    fence: Geofence,
     /// Deceleration to count on toward the fence, mm/s².
     braking: u32,
     clock: VehicleClock,
@@ -72,7 +29,7 @@ pub struct Gate {
     /// When the phase began, on the vehicle's clock; nothing before that is heard.
     since_ms: Option<u32>,
     /// What the heartbeats told since the operator asked.
-    seen: Seen,
+    heartbeats: Heartbeats,
     /// Since when the vehicle is being stopped, on both clocks.
     stopping: Option<(u32, u32)>,
     /// Commands to return home that were given, and when the last one was.
@@ -83,7 +40,7 @@ pub struct Gate {
 
 /// What the heartbeats told since the operator asked.
 #[derive(Clone, Copy, Debug, Default)]
-struct Seen {
+struct Heartbeats {
     guided: bool,
     armed: bool,
 }
@@ -93,9 +50,9 @@ impl Gate {
     ///
     /// # Errors
     /// A setting out of its bounds, or a circular fence too small for the speed.
-    pub fn new(limits: Limits, fence: Fence) -> Result<Self, LimitsError> {
+    pub fn new(limits: Limits, fence: Geofence) -> Result<Self, LimitsError> {
         limits.check()?;
-        let braking = bounds::braking(&limits, &fence)?;
+        let braking = approach::braking(&limits, &fence)?;
         Ok(Self {
             limits,
             fence,
@@ -104,7 +61,7 @@ impl Gate {
             monitor: Monitor::new(),
             phase: Phase::Idle(Reason::NotStarted),
             since_ms: None,
-            seen: Seen::default(),
+            heartbeats: Heartbeats::default(),
             stopping: None,
             returns: (0, 0),
             sent: None,
@@ -119,7 +76,7 @@ impl Gate {
 
     /// Its fence.
     #[must_use]
-    pub const fn fence(&self) -> &Fence {
+    pub const fn fence(&self) -> &Geofence {
         &self.fence
     }
 
@@ -132,15 +89,15 @@ impl Gate {
     /// What may be sent now. To be asked at every telemetry message that moves the vehicle's clock, and at least every
     /// [`Limits::tick_ms`] by the own computer's clock when none comes.
     pub fn tick(&mut self, inputs: &Inputs) -> Verdict {
-        let passage = self.clock.advance(inputs.now_ms, inputs.wall_ms, &self.limits);
-        if passage != Passage::Steady {
+        let step = self.clock.advance(inputs.now_ms, inputs.wall_ms, &self.limits);
+        if step != ClockStep::Steady {
             self.monitor = Monitor::new();
             self.sent = None;
         }
-        self.obey(inputs.operator);
+        self.apply(inputs.operator);
         let now = self.clock.now_ms(inputs.wall_ms, &self.limits);
         if let Some(now) = now {
-            self.monitor.update(&Tick {
+            self.monitor.update(&MonitorInputs {
                 inputs,
                 now_ms: now,
                 silence_ms: self.clock.silence_ms(inputs.wall_ms),
@@ -150,12 +107,12 @@ impl Gate {
             });
         }
         // After the operator's request, which cannot have meant another vehicle.
-        match passage {
-            Passage::Steady => {}
-            Passage::Back => self.let_go(Reason::VehicleRestarted),
-            Passage::Ahead => self.let_go(Reason::ClockJumped),
+        match step {
+            ClockStep::Steady => {}
+            ClockStep::Back => self.release(Reason::VehicleRestarted),
+            ClockStep::Ahead => self.release(Reason::ClockJumped),
         }
-        let verdict = now.map_or(self.unheard(), |now| self.judge(inputs, now));
+        let verdict = now.map_or(self.unheard(), |now| self.decide(inputs, now));
         let now = now.unwrap_or(0);
         self.sent = match verdict.setpoint() {
             Some(setpoint) => Some((setpoint, now)),
@@ -164,28 +121,28 @@ impl Gate {
         verdict
     }
 
-    /// What the operator asks for.
-    fn obey(&mut self, request: Option<Request>) {
+    /// Carries out what the operator asks for.
+    fn apply(&mut self, request: Option<Request>) {
         match request {
             None => {}
             Some(Request::Start) => {
                 self.enter(Phase::BringUp);
-                self.seen = Seen::default();
+                self.heartbeats = Heartbeats::default();
                 self.monitor.forget_motion();
             }
             Some(Request::Release) => self.enter(Phase::Idle(Reason::OperatorReleased)),
-            Some(Request::Return) => self.come_home(Reason::OperatorReturn),
+            Some(Request::Return) => self.start_return(Reason::OperatorReturn),
         }
     }
 
     /// Ends a flight; one that never began goes on waiting.
-    fn let_go(&mut self, reason: Reason) {
+    fn release(&mut self, reason: Reason) {
         if !matches!(self.phase, Phase::Idle(_)) {
             self.enter(Phase::Idle(reason));
         }
     }
 
-    fn come_home(&mut self, reason: Reason) {
+    fn start_return(&mut self, reason: Reason) {
         if matches!(self.phase, Phase::BringUp | Phase::Flight) {
             self.enter(Phase::Returning(reason));
             self.returns = (0, 0);
@@ -204,10 +161,10 @@ impl Gate {
         }
     }
 
-    fn judge(&mut self, inputs: &Inputs, now: u32) -> Verdict {
+    fn decide(&mut self, inputs: &Inputs, now: u32) -> Verdict {
         let since = *self.since_ms.get_or_insert(now);
-        if let Some(reason) = self.lost(inputs, age_ms(now, since)) {
-            self.let_go(reason);
+        if let Some(reason) = self.lost_vehicle(inputs, age_ms(now, since)) {
+            self.release(reason);
         }
         match self.phase {
             Phase::Idle(reason) => Verdict::Silent(reason),
@@ -217,12 +174,12 @@ impl Gate {
         }
     }
 
-    /// Why the vehicle is no longer ours, if so.
-    fn lost(&mut self, inputs: &Inputs, phase_ms: u32) -> Option<Reason> {
-        let (guided, other) = (is_guided(inputs.mode), inputs.mode == Mode::Other);
-        let (was_guided, was_armed) = (self.seen.guided, self.seen.armed);
-        self.seen.guided |= guided;
-        self.seen.armed |= inputs.armed;
+    /// Why the gate no longer has the vehicle, if so.
+    fn lost_vehicle(&mut self, inputs: &Inputs, phase_ms: u32) -> Option<Reason> {
+        let (guided, other) = (is_guided(inputs.mode), inputs.mode == FlightMode::Other);
+        let (was_guided, was_armed) = (self.heartbeats.guided, self.heartbeats.armed);
+        self.heartbeats.guided |= guided;
+        self.heartbeats.armed |= inputs.armed;
         match self.phase {
             Phase::Idle(_) => None,
             _ if !inputs.self_test => Some(Reason::SelfTestFailed),
@@ -239,8 +196,8 @@ impl Gate {
     fn bring_up(&mut self, inputs: &Inputs, now: u32) -> Verdict {
         let (guided, airborne) = (is_guided(inputs.mode), inputs.armed && inputs.airborne);
         match self.monitor.grounding() {
-            Some(reason) if reason.action() == Action::Return && guided && airborne => {
-                self.come_home(reason);
+            Some(reason) if reason.action() == FailsafeAction::Return && guided && airborne => {
+                self.start_return(reason);
                 self.send_home(reason, inputs, now)
             }
             Some(reason) => Verdict::Silent(reason),
@@ -259,7 +216,7 @@ impl Gate {
 
     fn fly(&mut self, inputs: &Inputs, now: u32) -> Verdict {
         if let Some(reason) = self.monitor.give_up() {
-            self.come_home(reason);
+            self.start_return(reason);
             return self.send_home(reason, inputs, now);
         }
         // A stop needs no state; anything else does.
@@ -273,8 +230,8 @@ impl Gate {
             return Verdict::Silent(Reason::HeartbeatLost);
         }
         match (self.monitor.hold(), inputs.proposal) {
-            (None, Some(proposal)) => Verdict::Stream(self.shaped(
-                Wanted {
+            (None, Some(proposal)) => Verdict::Stream(self.limited(
+                DesiredSetpoint {
                     velocity: proposal.velocity,
                     acceleration: Some(proposal.acceleration),
                     altitude_mm: proposal.altitude_mm,
@@ -284,8 +241,8 @@ impl Gate {
             )),
             (cause, proposal) => {
                 let altitude_mm = proposal.map_or(state.altitude_mm, |proposal| proposal.altitude_mm);
-                let still = Wanted { velocity: Vector::ZERO, acceleration: None, altitude_mm };
-                Verdict::Hold(cause.unwrap_or(Reason::NoDecision), self.shaped(still, &state, now))
+                let still = DesiredSetpoint { velocity: Vector::ZERO, acceleration: None, altitude_mm };
+                Verdict::Hold(cause.unwrap_or(Reason::NoDecision), self.limited(still, &state, now))
             }
         }
     }
@@ -295,7 +252,7 @@ impl Gate {
         let (since, since_wall) = *self.stopping.get_or_insert((now, inputs.wall_ms));
         let passed_ms = age_ms(now, since).max(age_ms(inputs.wall_ms, since_wall));
         if passed_ms > self.limits.release_ms {
-            self.let_go(reason);
+            self.release(reason);
         }
         if passed_ms >= self.limits.stop_ms || !is_guided(inputs.mode) {
             return Verdict::Silent(reason);
@@ -314,15 +271,15 @@ impl Gate {
         Verdict::Silent(reason)
     }
 
-    fn shaped(&self, wanted: Wanted, state: &Measured, now: u32) -> Setpoint {
-        let bounds = Bounds::of(&self.fence, state, age_ms(now, state.time_ms), self.braking, &self.limits);
-        let from = match self.sent {
+    fn limited(&self, desired: DesiredSetpoint, state: &Measured, now: u32) -> Setpoint {
+        let bounds = ApproachLimits::new(&self.fence, state, age_ms(now, state.time_ms), self.braking, &self.limits);
+        let previous = match self.sent {
             Some((setpoint, then)) if age_ms(now, then) <= STREAM_GAP_MS => {
-                From { velocity: setpoint.velocity, passed_ms: age_ms(now, then) }
+                PreviousSetpoint { velocity: setpoint.velocity, passed_ms: age_ms(now, then) }
             }
-            _ => From { velocity: state.velocity, passed_ms: self.limits.tick_ms },
+            _ => PreviousSetpoint { velocity: state.velocity, passed_ms: self.limits.tick_ms },
         };
-        shape(wanted, from, state, &bounds, &self.limits)
+        limit_setpoint(desired, previous, state, &bounds, &self.limits)
     }
 
     /// Velocity that was sent lately, mm/s.
@@ -332,13 +289,4 @@ impl Gate {
             _ => Vector::ZERO,
         }
     }
-}
-
-/// Altitude of a UAV's layer, mm: `base + (id mod layers) · spacing`. No layers count as one. Training lets UAVs pass
-/// through each other; in flight their altitudes keep them apart.
-#[must_use]
-pub fn layer_mm(id: u16, base_mm: i32, spacing_mm: u32, layers: u16) -> i32 {
-    let layer = i64::from(id.checked_rem(layers).unwrap_or(0));
-    let altitude = i64::from(base_mm) + layer * i64::from(spacing_mm);
-    i32::try_from(altitude).unwrap_or(i32::MAX)
 }

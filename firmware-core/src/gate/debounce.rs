@@ -1,16 +1,16 @@
-//! A condition that counts only once it has lasted, both ways.
+//! Debouncing: a condition counts only once it has lasted, both ways.
 
 use super::clock::age_ms;
 
 /// Raised when its condition has held for a while; cleared when it has not held for a while.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Watch {
+pub(super) struct Debounce {
     raised: bool,
     /// Since when the condition has been the opposite of `raised`.
     turning_ms: Option<u32>,
 }
 
-impl Watch {
+impl Debounce {
     pub const RAISED: Self = Self { raised: true, turning_ms: None };
     pub const CLEAR: Self = Self { raised: false, turning_ms: None };
 
@@ -39,9 +39,9 @@ mod tests {
 
     #[test]
     fn raised_and_cleared_after_a_while_over_the_wrap_of_the_clock() {
-        let mut watch = Watch::CLEAR;
+        let mut debounce = Debounce::CLEAR;
         let start = u32::MAX - 250;
-        let mut at = |ms: u32, holds| watch.update(holds, start.wrapping_add(ms), 500, 1000);
+        let mut at = |ms: u32, holds| debounce.update(holds, start.wrapping_add(ms), 500, 1000);
         assert!(!at(0, true));
         assert!(!at(499, true));
         assert!(at(500, true));
@@ -55,8 +55,8 @@ mod tests {
 
     #[test]
     fn zero_means_at_once() {
-        let mut watch = Watch::RAISED;
-        assert!(!watch.update(false, 7, 0, 0));
-        assert!(watch.update(true, 7, 0, 0));
+        let mut debounce = Debounce::RAISED;
+        assert!(!debounce.update(false, 7, 0, 0));
+        assert!(debounce.update(true, 7, 0, 0));
     }
 }
