@@ -4,8 +4,9 @@ import logging
 from collections.abc import Callable
 from typing import Any
 
+from simlink import control
 from simlink.config import FleetConfig
-from simlink.control import Control
+from simlink.faults import FaultError
 from simlink.hub import CONTROL, Hub
 from simlink.vehicle import Vehicle
 
@@ -31,7 +32,6 @@ class Fleet:
         self.vehicles = [Vehicle(vehicle, config, key, self.report) for vehicle in config.vehicles]
         self._by_id = {vehicle.config.id: vehicle for vehicle in self.vehicles}
         self._hub, self._out = hub, emit
-        self._control = Control(self)
         self._on_tick = on_tick
         self.stopped = False
         self.epoch_unix_ms = config.unix_ms if config.epoch_unix_ms is None else config.epoch_unix_ms
@@ -166,10 +166,43 @@ class Fleet:
 
     def _take(self, index: int, datagram: bytes | None) -> None:
         if index == CONTROL:
-            self._control.take(datagram)
+            self._handle_control(datagram)
             return
         for frame in self.vehicles[index].receive(datagram or b""):
             self._hub.send(index, frame)
+
+    # Control lines
+
+    def _handle_control(self, line: bytes | None) -> None:
+        """Carries out a control line; one that makes no sense is answered with an `error` event."""
+        try:
+            command = control.parse(line)
+            if command is not None:
+                self._carry_out(command)
+        except (ValueError, TypeError, KeyError) as error:
+            logger.error("control: %s", error)
+            self.report("error", reason=f"control: {error}")
+
+    def _carry_out(self, command: control.Command) -> None:
+        match command:
+            case control.Stop():
+                self.stopped = True
+            case control.AddFault(fault):
+                vehicle = self.vehicle(fault.id)
+                if vehicle is None:
+                    raise FaultError(f"there is no vehicle {fault.id}")
+                vehicle.faults.add(fault)
+            case control.PilotMode(identity, name):
+                vehicle = self.vehicle(identity)
+                if vehicle is None:
+                    raise ValueError(f"there is no vehicle {identity}")
+                vehicle.pilot_mode(name)
+            case control.SetEpoch(unix_ms):
+                self.epoch_unix_ms = unix_ms
+            case control.SetSpeed(speed):
+                self.speed = speed
+            case control.ReportStats():
+                self.report("stats", **self.stats())
 
     def stats(self) -> dict[str, Any]:
         """Figures of the whole flight."""
