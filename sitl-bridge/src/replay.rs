@@ -17,7 +17,7 @@ mod survey;
 pub use judge::{Account, Difference, Judge, Kind};
 pub use survey::{Role, Survey, SurveyError};
 
-use crate::node::{Node, Now, Outbox};
+use crate::node::{HostTime, Node, NodeOutput};
 use crate::tlog::Record;
 
 /// Longest time without a turn of the node, ms: as in flight.
@@ -31,15 +31,15 @@ pub struct Replay<'a> {
     node: Node<'a>,
     survey: Survey,
     judge: Judge,
-    out: Outbox,
-    now: Option<Now>,
+    out: NodeOutput,
+    now: Option<HostTime>,
 }
 
 impl<'a> Replay<'a> {
     /// `node` has the settings of the flight and has heard nothing yet.
     #[must_use]
     pub fn new(node: Node<'a>, survey: Survey, judge: Judge) -> Self {
-        Self { node, survey, judge, out: Outbox::default(), now: None }
+        Self { node, survey, judge, out: NodeOutput::default(), now: None }
     }
 
     /// Takes in the next record.
@@ -50,9 +50,9 @@ impl<'a> Replay<'a> {
             Role::Setpoint => self.judge.flown(frame),
             Role::Told => self.judge.told(frame),
             Role::Sent => {}
-            Role::Swarm => self.node.hear_swarm(frame.bytes(), now, &mut self.out),
+            Role::Swarm => self.node.receive_swarm(frame.bytes(), now, &mut self.out),
             Role::Autopilot => {
-                self.node.hear_autopilot(frame.bytes(), now, &mut self.out);
+                self.node.receive_autopilot(frame.bytes(), now, &mut self.out);
             }
         }
         self.collect();
@@ -69,20 +69,20 @@ impl<'a> Replay<'a> {
     }
 
     /// The node's turns up to a recorded time. A host's clock that was set back stands still.
-    fn pass_time(&mut self, unix_us: u64) -> Now {
-        let last = *self.now.get_or_insert(Now { wall_ms: 0, unix_us });
+    fn pass_time(&mut self, unix_us: u64) -> HostTime {
+        let last = *self.now.get_or_insert(HostTime { wall_ms: 0, unix_us });
         if unix_us <= last.unix_us {
             return last;
         }
         let passed_ms = (unix_us - last.unix_us) / 1000;
         let mut now = last;
         for _ in 0..passed_ms.min(LONGEST_SILENCE_MS) / TURN_MS {
-            now = Now { wall_ms: now.wall_ms + TURN_MS, unix_us: now.unix_us + TURN_MS * 1000 };
+            now = HostTime { wall_ms: now.wall_ms + TURN_MS, unix_us: now.unix_us + TURN_MS * 1000 };
             self.node.tick(now, &mut self.out);
         }
         // Less than a millisecond waits for the next record.
         let rest_ms = (unix_us - now.unix_us) / 1000;
-        now = Now { wall_ms: now.wall_ms + rest_ms, unix_us: now.unix_us + rest_ms * 1000 };
+        now = HostTime { wall_ms: now.wall_ms + rest_ms, unix_us: now.unix_us + rest_ms * 1000 };
         if now != last {
             self.node.tick(now, &mut self.out);
             self.now = Some(now);

@@ -7,7 +7,7 @@ use thiserror::Error;
 
 /// Why an actor file may not fly here.
 #[derive(Debug, Error)]
-pub enum ActorFileError {
+pub(crate) enum ActorFileError {
     /// The file cannot be read.
     #[error("cannot read {}", path.display())]
     Read {
@@ -36,7 +36,7 @@ pub enum ActorFileError {
 
 /// Arguments of `self-test`.
 #[derive(clap::Args)]
-pub struct SelfTest {
+pub(crate) struct SelfTest {
     /// The actor file.
     file: PathBuf,
 }
@@ -55,7 +55,7 @@ impl SelfTest {
 
 /// Arguments of `signature`.
 #[derive(clap::Args)]
-pub struct Signature {
+pub(crate) struct Signature {
     /// The actor file.
     file: PathBuf,
     /// Neighbourhoods to decide.
@@ -84,7 +84,7 @@ fn with_actor(path: PathBuf, action: impl FnOnce(&Actor<'_>)) -> Result<(), Acto
 ///
 /// # Errors
 /// [`ActorFileError::Read`].
-pub fn read(path: &Path) -> Result<Vec<u8>, ActorFileError> {
+pub(crate) fn read(path: &Path) -> Result<Vec<u8>, ActorFileError> {
     fs::read(path).map_err(|source| ActorFileError::Read { path: path.to_owned(), source })
 }
 
@@ -93,7 +93,7 @@ pub fn read(path: &Path) -> Result<Vec<u8>, ActorFileError> {
 ///
 /// # Errors
 /// [`ActorFileError::Load`] or [`ActorFileError::SelfTest`]: it never flies.
-pub fn flight_ready<'a>(bytes: &'a [u8], path: &Path) -> Result<Actor<'a>, ActorFileError> {
+pub(crate) fn flight_ready<'a>(bytes: &'a [u8], path: &Path) -> Result<Actor<'a>, ActorFileError> {
     let actor = Actor::load(bytes).map_err(|source| ActorFileError::Load { path: path.to_owned(), source })?;
     match actor.self_test() {
         Ok(()) => Ok(actor),

@@ -1,7 +1,7 @@
 //! `replay`: a recorded flight, decided again.
 
 use super::actor_file::flight_ready;
-use super::common::{ActorArgs, TimingArgs};
+use super::args::{ActorArgs, TimingArgs};
 use crate::frame::Source;
 use crate::mission::{Mission, PoiMap};
 use crate::node::{FeedForward, Node, Settings, gate_limits};
@@ -22,7 +22,7 @@ const TROUBLE: u8 = 2;
 /// Arguments of `replay`. It ends with 0 when every decision is the same, with 1 when one
 /// differs, and with 2 when the recording cannot be replayed.
 #[derive(clap::Args)]
-pub struct ReplayTlog {
+pub(crate) struct ReplayTlog {
     /// The recording, from `fly --tlog` or `swarm --tlog`.
     file: PathBuf,
     /// The mission that was flown; `swarm --sim --tlog` puts it beside the recordings.

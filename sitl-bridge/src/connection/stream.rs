@@ -1,6 +1,9 @@
 //! Streams, which break and are mended: TCP and serial lines.
 
-use super::{OpenError, Peer, Received, Sent, Watch, resolve};
+use super::error::OpenError;
+use super::poll::Watch;
+use super::resolve::resolve;
+use super::transfer::{Peer, Received, Sent};
 use rustix::fs::{Mode, OFlags};
 use rustix::termios::{
     ControlModes, InputModes, OptionalActions, SpecialCodeIndex, ioctl_tiocexcl, tcgetattr, tcsetattr,

@@ -1,6 +1,9 @@
 //! Datagrams.
 
-use super::{OpenError, Peer, Received, Sent, Watch, resolve};
+use super::error::OpenError;
+use super::poll::Watch;
+use super::resolve::resolve;
+use super::transfer::{Peer, Received, Sent};
 use std::io::{self, ErrorKind};
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
 use std::os::fd::AsFd as _;

@@ -1,6 +1,7 @@
 //! Making frames.
 
-use super::{CHECKSUM, Frame, HEADER_V1, HEADER_V2, MAGIC_V1, MAGIC_V2, MAX_LEN, Version, checksum, crc_extra};
+use super::checksum::{checksum, crc_extra};
+use super::layout::{CHECKSUM, Frame, HEADER_V1, HEADER_V2, MAGIC_V1, MAGIC_V2, MAX_LEN, Version};
 use mavlink::Message as _;
 use mavlink::dialects::common::MavMessage;
 use thiserror::Error;
@@ -87,7 +88,7 @@ impl Encoder {
         bytes[1] = u8::try_from(payload.len()).map_err(|_| EncodeError::TooLong(payload.len()))?;
         let end = header + payload.len();
         bytes[header..end].copy_from_slice(payload);
-        let sum = checksum::checksum(&bytes[1..end], extra);
+        let sum = checksum(&bytes[1..end], extra);
         bytes[end..end + CHECKSUM].copy_from_slice(&sum.to_le_bytes());
         self.sequence = self.sequence.wrapping_add(1);
         Ok(Frame { bytes, len: end + CHECKSUM, checked: true })

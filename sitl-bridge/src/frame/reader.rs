@@ -4,10 +4,11 @@
 //! beginning is given up one byte at a time, so a flipped length or a magic byte inside garbage
 //! never costs the valid frame behind it.
 
-use super::{
-    CHECKSUM, Counts, FLAG_SIGNED, Frame, HEADER_V1, HEADER_V2, MAGIC_V1, MAGIC_V2, MAX_LEN, Rejected, SIGNATURE,
-    checksum, crc_extra, message_id,
+use super::checksum::{checksum, crc_extra};
+use super::layout::{
+    CHECKSUM, FLAG_SIGNED, Frame, HEADER_V1, HEADER_V2, MAGIC_V1, MAGIC_V2, MAX_LEN, SIGNATURE, message_id,
 };
+use super::rejected::{Counts, Rejected};
 
 /// How bytes arrive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -176,7 +177,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Frame, NoFrame> {
     let extra = crc_extra(message_id(whole));
     if let Some(extra) = extra {
         let sum = u16::from_le_bytes([whole[end], whole[end + 1]]);
-        if checksum::checksum(&whole[1..end], extra) != sum {
+        if checksum(&whole[1..end], extra) != sum {
             return Err(NoFrame::Not(Rejected::BadChecksum, len));
         }
     }

@@ -63,6 +63,12 @@ impl Layers {
         let mm = |m: f64| (m * 1000.0).round();
         altitude_layer_mm(id, mm(self.base_m) as i32, mm(self.spacing_m) as u32, self.count)
     }
+
+    /// The altitude of the highest layer above the origin, m.
+    #[must_use]
+    pub fn highest_m(&self) -> f64 {
+        self.base_m + f64::from(self.count - 1) * self.spacing_m
+    }
 }
 
 impl Mission {

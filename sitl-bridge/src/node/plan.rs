@@ -1,29 +1,29 @@
-//! From an action to setpoints.
+//! From an action to velocity and acceleration setpoints.
 
 use crate::mission::Scale;
 use firmware_core::action::Action;
 use firmware_core::gate::Vector;
 use firmware_core::geometry::{SPEED_CAP_U, Vec2};
 
-/// What is fed forward as acceleration.
+/// Which acceleration a setpoint feeds forward.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FeedForward {
-    /// That of the ramp, and none once the velocity is reached: what an autopilot tracks best.
+    /// The acceleration of the velocity ramp, and zero once the velocity is reached: what an autopilot
+    /// tracks best.
     #[default]
     Ramp,
-    /// The action's own, all the time: a simulator of the scenario's own dynamics reads the
-    /// action off it.
+    /// The action's own acceleration, all the time: a simulator with the scenario's own dynamics
+    /// recovers the action from it.
     Action,
 }
 
-/// The flight that a decision asks for: from the velocity measured when it was made to the
-/// action's next velocity, with the greatest acceleration of the scenario, then on at that
-/// velocity.
+/// The velocity profile of a decision: a ramp from the velocity measured when it was made to the
+/// action's next velocity, with the greatest acceleration of the scenario, then that velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
-    /// When the decision was made, vehicle's clock, ms.
+    /// `time_boot_ms` when the decision was made.
     pub decided_ms: u32,
-    /// What was decided.
+    /// The action that was decided.
     pub action: Action,
     from_mps: [f64; 2],
     to_mps: [f64; 2],
@@ -32,8 +32,8 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// `observed` is the velocity that the decision was made on (ticks/step), `measured_mps`
-    /// the one east and north when it was made.
+    /// The profile of `action`. `observed` is the velocity in the observation, ticks/step;
+    /// `measured_mps` is the velocity east and north when the decision was made, m/s.
     #[must_use]
     pub fn new(action: Action, decided_ms: u32, observed: Vec2, measured_mps: [f64; 2], scale: Scale) -> Self {
         let next = action.next_velocity(observed.to_u());
@@ -50,13 +50,13 @@ impl Plan {
         }
     }
 
-    /// Velocity measured when it was decided, east and north, m/s.
+    /// Velocity east and north when the decision was made, m/s.
     #[must_use]
     pub const fn measured_mps(&self) -> [f64; 2] {
         self.from_mps
     }
 
-    /// Velocity (mm/s) and acceleration (mm/s²) at a time of the vehicle.
+    /// Velocity (mm/s) and acceleration (mm/s²) at a `time_boot_ms`.
     #[must_use]
     pub fn at(&self, boot_ms: u32, feed_forward: FeedForward) -> (Vector, Vector) {
         let passed_s = f64::from(boot_ms.wrapping_sub(self.decided_ms) as i32) / 1000.0;
@@ -73,7 +73,7 @@ impl Plan {
     }
 }
 
-/// SI to mm: to the nearest.
+/// Metres to millimetres, rounded to the nearest; likewise m/s to mm/s and m/s² to mm/s².
 pub(super) fn thousandths(si: f64) -> i32 {
     (si * 1000.0).round() as i32
 }

@@ -1,7 +1,7 @@
 //! Decisions that were flown against those that a node makes again.
 
-use super::survey::SETPOINT;
 use crate::frame::Frame;
+use crate::messages::{SetPositionTargetLocalNed, id};
 use crate::mission::Scale;
 use crate::node::{Counters, Decision, FeedForward, Plan};
 use crate::swarm_link::neighbour_message;
@@ -95,24 +95,21 @@ impl Account {
 
 /// Horizontal velocity and acceleration of a setpoint, east and north.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct ActorInput {
+struct SetpointValues {
     velocity: [f64; 2],
     acceleration: [f64; 2],
 }
 
-impl ActorInput {
-    /// The vehicle's time and the numbers of a SET_POSITION_TARGET_LOCAL_NED.
+impl SetpointValues {
+    /// The vehicle's time and the horizontal values of a SET_POSITION_TARGET_LOCAL_NED.
     fn read(frame: &Frame) -> Option<(u32, Self)> {
-        if frame.message_id() != SETPOINT {
+        if frame.message_id() != id::SET_POSITION_TARGET_LOCAL_NED {
             return None;
         }
-        let mut payload = [0; 53];
-        let len = frame.payload().len().min(payload.len());
-        payload[..len].copy_from_slice(&frame.payload()[..len]);
-        let word = |at: usize| [payload[at], payload[at + 1], payload[at + 2], payload[at + 3]];
-        let number = |at: usize| f64::from(f32::from_le_bytes(word(at)));
-        let (velocity, acceleration) = ([number(20), number(16)], [number(32), number(28)]);
-        Some((u32::from_le_bytes(word(0)), Self { velocity, acceleration }))
+        let setpoint = SetPositionTargetLocalNed::read(frame.payload());
+        let horizontal = |[north, east, _]: [f32; 3]| [f64::from(east), f64::from(north)];
+        let (velocity, acceleration) = (horizontal(setpoint.velocity_mps), horizontal(setpoint.acceleration_mps2));
+        Some((setpoint.boot_ms, Self { velocity, acceleration }))
     }
 
     fn of(plan: &Plan, boot_ms: u32, feed_forward: FeedForward) -> Self {
@@ -142,8 +139,8 @@ impl ActorInput {
 struct Case {
     decision: Decision,
     plan: Plan,
-    recorded: Vec<(u32, ActorInput)>,
-    replayed: Vec<(u32, ActorInput)>,
+    recorded: Vec<(u32, SetpointValues)>,
+    replayed: Vec<(u32, SetpointValues)>,
 }
 
 /// Holds decisions made again against what stands in the log. Feed it in the log's order.
@@ -179,14 +176,14 @@ impl Judge {
 
     /// A setpoint in the log.
     pub fn flown(&mut self, frame: &Frame) {
-        if let (Some(case), Some(flown)) = (&mut self.case, ActorInput::read(frame)) {
+        if let (Some(case), Some(flown)) = (&mut self.case, SetpointValues::read(frame)) {
             case.recorded.push(flown);
         }
     }
 
     /// A setpoint that is sent now.
     pub fn flown_again(&mut self, frame: &Frame) {
-        if let (Some(case), Some(flown)) = (&mut self.case, ActorInput::read(frame)) {
+        if let (Some(case), Some(flown)) = (&mut self.case, SetpointValues::read(frame)) {
             case.replayed.push(flown);
         }
     }
@@ -245,8 +242,8 @@ impl Judge {
         }
         self.account.compared += 1;
         self.account.setpoints += case.recorded.len() as u64;
-        let again: BTreeMap<u32, ActorInput> = case.replayed.iter().copied().collect();
-        let same = |(at, flown): &&(u32, ActorInput)| again.get(at).is_some_and(|other| other.is(flown));
+        let again: BTreeMap<u32, SetpointValues> = case.replayed.iter().copied().collect();
+        let same = |(at, flown): &&(u32, SetpointValues)| again.get(at).is_some_and(|other| other.is(flown));
         let other = case.recorded.iter().filter(|r| !same(r)).count() as u64;
         if other == 0 {
             self.account.equal += 1;
@@ -279,7 +276,8 @@ impl Judge {
             let action = Action::new(index).unwrap_or(Action::COAST);
             let velocity = case.decision.state.velocity;
             let plan = Plan::new(action, case.plan.decided_ms, velocity, case.plan.measured_mps(), self.scale);
-            let one = |(at, flown): &(u32, ActorInput)| ActorInput::of(&plan, *at, self.feed_forward).apart(flown);
+            let one =
+                |(at, flown): &(u32, SetpointValues)| SetpointValues::of(&plan, *at, self.feed_forward).apart(flown);
             moving().map(one).sum::<f64>()
         };
         let own = case.decision.action;

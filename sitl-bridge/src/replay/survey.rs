@@ -1,18 +1,15 @@
 //! Who is who in a recording.
 
 use crate::frame::Frame;
-use crate::swarm_link::{COMPONENT, MESSAGE_TYPE, system_of};
+use crate::messages::{CommandLong, id, mav_cmd};
+use crate::swarm_link::{COMPONENT, is_neighbour, system_of};
 use crate::tlog::{Record, TlogReader};
 use std::collections::BTreeSet;
 use std::io::{self, Read};
 use thiserror::Error;
 
-const HEARTBEAT: u32 = 0;
-const COMMAND_LONG: u32 = 76;
-pub(super) const SETPOINT: u32 = 84;
-const V2_EXTENSION: u32 = 248;
 /// Commands by which a node brings its vehicle into flight: take-off and arming.
-const BRING_UP: [u16; 2] = [22, 400];
+const BRING_UP: [u16; 2] = [mav_cmd::NAV_TAKEOFF, mav_cmd::COMPONENT_ARM_DISARM];
 
 /// Why a recording cannot be replayed.
 #[derive(Debug, Error)]
@@ -118,9 +115,11 @@ impl Survey {
             if is_neighbour(&frame) {
                 ids.extend(frame.system().checked_sub(1).map(u16::from));
             } else if frame.component() == COMPONENT {
-                if frame.message_id() == SETPOINT {
+                if frame.message_id() == id::SET_POSITION_TARGET_LOCAL_NED {
                     nodes.insert(frame.system());
-                } else if frame.message_id() == COMMAND_LONG && command(&frame).is_some_and(|c| BRING_UP.contains(&c)) {
+                } else if frame.message_id() == id::COMMAND_LONG
+                    && BRING_UP.contains(&CommandLong::read(frame.payload()).command)
+                {
                     brought_up.insert(frame.system());
                 }
             }
@@ -157,20 +156,11 @@ impl Survey {
         }
         if frame.system() == self.system && frame.component() == COMPONENT {
             match frame.message_id() {
-                SETPOINT => return Role::Setpoint,
-                HEARTBEAT | COMMAND_LONG => return Role::Sent,
+                id::SET_POSITION_TARGET_LOCAL_NED => return Role::Setpoint,
+                id::HEARTBEAT | id::COMMAND_LONG => return Role::Sent,
                 _ => {}
             }
         }
         Role::Autopilot
     }
-}
-
-fn is_neighbour(frame: &Frame) -> bool {
-    frame.message_id() == V2_EXTENSION && frame.payload().get(..2) == Some(&MESSAGE_TYPE.to_le_bytes())
-}
-
-/// COMMAND_LONG's command.
-fn command(frame: &Frame) -> Option<u16> {
-    Some(u16::from_le_bytes(*frame.payload().get(28..30)?.first_chunk()?))
 }

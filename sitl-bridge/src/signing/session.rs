@@ -1,13 +1,13 @@
 //! Signing what is sent, and deciding what is believed.
 
+use super::key::Key;
 use super::state_file::{StateFile, StateFileError, Streams};
-use super::{Key, Timestamp};
+use super::timestamp::Timestamp;
 use crate::frame::{Frame, Rejected};
+use crate::messages::id;
 use std::time::Duration;
 use thiserror::Error;
 
-/// RADIO_STATUS: telemetry radios put it between the frames of others and have no key.
-const RADIO_STATUS: u32 = 109;
 /// How much older than our clock the first frame of a stream may be (MAVLink's rule).
 const FIRST_SEEN: Duration = Duration::from_secs(60);
 
@@ -134,7 +134,8 @@ impl Session {
         let sound = if frame.is_checked() { Ok(()) } else { Err(Rejected::UnknownMessage) };
         let Some(key) = &link.key else { return sound };
         let Some(signature) = frame.signature() else {
-            let exempt = link.unsigned == Unsigned::Accept || frame.message_id() == RADIO_STATUS;
+            // Telemetry radios have no key and put RADIO_STATUS between the frames of others.
+            let exempt = link.unsigned == Unsigned::Accept || frame.message_id() == id::RADIO_STATUS;
             return if exempt { sound } else { Err(Rejected::Unsigned) };
         };
         // Only after the code is anything else believed, so that a forger cannot fill the table.

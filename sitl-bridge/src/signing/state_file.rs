@@ -4,7 +4,7 @@
 //! time at once, so that signing itself never waits for a disk; whoever starts from it begins
 //! behind the whole block. With each block goes what was last heard of each sender.
 
-use super::Timestamp;
+use super::timestamp::Timestamp;
 use std::collections::BTreeMap;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Write as _};

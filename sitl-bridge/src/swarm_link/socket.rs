@@ -1,6 +1,6 @@
 //! The swarm's datagrams.
 
-use super::SwarmAddress;
+use super::address::SwarmAddress;
 use crate::connection::{OpenError, Watch};
 use socket2::{Domain, Protocol, Socket, Type};
 use std::io::{self, ErrorKind};

@@ -6,7 +6,8 @@ use crate::flight::{Flight, mission, settings};
 use crate::vehicle::{Setpoint, TICK_MS};
 use firmware_core::gate::{FailsafeAction, Limits, Reason};
 use firmware_core::geometry::Vec2;
-use sitl_bridge::autopilot::{Dialect, Stage, command};
+use sitl_bridge::autopilot::{Firmware, Stage};
+use sitl_bridge::messages::mav_cmd;
 use sitl_bridge::node::gate_limits;
 
 const GUIDED: u32 = 4;
@@ -47,7 +48,7 @@ fn in_phase_at(phase: Phase, wall_ms: u64) -> Flight {
         mission.epoch_unix_ms += 3_600_000;
     }
     let settings = sitl_bridge::node::Settings { limits: limits(), ..settings(5, &mission, true) };
-    let mut flight = Flight::with(settings, Dialect::ArduPilot, Vec2::from_u(100.0, 100.0));
+    let mut flight = Flight::with(settings, Firmware::ArduPilot, Vec2::from_u(100.0, 100.0));
     flight.wall_ms = wall_ms;
     let there = match phase {
         Phase::Takeoff => flight.until(60, |f| (3000.0..8000.0).contains(&f.vehicle.height_mm)),
@@ -78,7 +79,7 @@ impl Since {
     /// To ask for message rates again, after a reboot, is no command to the vehicle.
     fn commands(&self, flight: &Flight) -> Vec<u16> {
         let all = flight.vehicle.commands[self.commands..].iter().map(|c| c.0);
-        all.filter(|&id| id != command::MESSAGE_INTERVAL).collect()
+        all.filter(|&id| id != mav_cmd::SET_MESSAGE_INTERVAL).collect()
     }
 
     fn setpoints<'f>(&self, flight: &'f Flight) -> &'f [Setpoint] {
@@ -124,7 +125,7 @@ fn expect(phase: Phase, reason: Reason, begin: impl FnOnce(&mut Flight), tick: i
             assert!(commands.is_empty(), "{context}");
         }
         FailsafeAction::Return => {
-            assert_eq!(commands, [command::SET_MODE], "{context}");
+            assert_eq!(commands, [mav_cmd::DO_SET_MODE], "{context}");
             assert!(setpoints.is_empty() && flight.vehicle.custom_mode == RTL, "{context}");
         }
     }
@@ -242,7 +243,7 @@ fn autopilot_link_cut() {
 #[test]
 fn simulated_link_cut() {
     // Where the vehicle's clock may run at any speed only the host's tells that it stands still.
-    let mut flight = Flight::new(5, Dialect::ArduPilot, true);
+    let mut flight = Flight::new(5, Firmware::ArduPilot, true);
     assert!(flight.until(90, |f| f.decisions.len() > 1), "{:?}", flight.words());
     let began_ms = flight.wall_ms;
     while flight.node.verdict().reason() != Some(Reason::LinkLost) {
@@ -355,7 +356,7 @@ fn battery_low() {
     flight.vehicle.battery = 20;
     assert!(flight.until(20, |f| f.vehicle.custom_mode == RTL), "{:?}", flight.words());
     flight.ticks(50);
-    assert!(since.commands(&flight) == [command::SET_MODE] && flight.vehicle.height_mm > 11_000.0);
+    assert!(since.commands(&flight) == [mav_cmd::DO_SET_MODE] && flight.vehicle.height_mm > 11_000.0);
     assert!(since.setpoints(&flight).len() <= 15, "{:?}", since.setpoints(&flight));
 }
 
