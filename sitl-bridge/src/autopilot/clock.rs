@@ -95,13 +95,6 @@ impl VehicleClock {
     pub fn common_ms(&self, boot_ms: u32) -> Option<i64> {
         Some(self.extend(boot_ms)? + self.offset_ms?)
     }
-
-    /// The `time_boot_ms` at a time of the common clock, ms, wrapped as the vehicle wraps it.
-    #[must_use]
-    pub fn boot_ms(&self, common_ms: i64) -> Option<u32> {
-        let ahead = common_ms - self.offset_ms? - self.extended_ms;
-        Some(self.newest?.wrapping_add(ahead as u32))
-    }
 }
 
 #[cfg(test)]
@@ -117,7 +110,6 @@ mod tests {
         assert_eq!(clock.common_ms(100), Some(1_790_000_000_200));
         assert_eq!(clock.update(u32::MAX), ClockUpdate::Reordered);
         assert_eq!(clock.common_ms(u32::MAX), Some(1_790_000_000_099));
-        assert_eq!(clock.boot_ms(1_790_000_000_099), Some(u32::MAX));
         // The autopilot says the same after the wrap, so nothing moves.
         assert_eq!(clock.set_unix(1_790_000_000_201, 101), None);
         assert_eq!(clock.set_unix(1_790_000_001_201, 101), Some(1000));

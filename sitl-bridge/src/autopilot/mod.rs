@@ -1,8 +1,8 @@
 //! The autopilot's side of a node: telemetry, the command protocol, and the bring-up from the
 //! ground into flight.
 //!
-//! Nothing here owns a socket or a clock. [`Autopilot::handle`] takes in decoded telemetry,
-//! [`Autopilot::poll`] returns the command to send. Each poll looks at the state of the vehicle and
+//! Nothing here owns a socket or a clock. `Autopilot::handle` takes in decoded telemetry,
+//! `Autopilot::poll` returns the command to send. Each poll looks at the state of the vehicle and
 //! requests the next thing that is missing, so a lost message or a reboot only costs time:
 //!
 //! | ArduPilot | PX4 |
@@ -24,10 +24,11 @@ mod odometry;
 mod stage;
 mod vehicle_state;
 
-pub use client::{Autopilot, Clearance};
-pub use clock::{ClockUpdate, VehicleClock};
-pub use firmware::{Firmware, Mode, UnsupportedVehicle};
+pub(crate) use client::{Autopilot, Clearance};
+pub(crate) use clock::VehicleClock;
+pub use firmware::Firmware;
+pub(crate) use firmware::Mode;
 pub use notice::Notice;
-pub use odometry::Odometry;
+pub(crate) use odometry::Odometry;
 pub use stage::Stage;
-pub use vehicle_state::{TelemetryUpdate, VehicleState};
+pub(crate) use vehicle_state::{TelemetryUpdate, VehicleState};

@@ -1,7 +1,7 @@
 //! Position and velocity from GLOBAL_POSITION_INT and LOCAL_POSITION_NED.
 //!
 //! The global position is in the frame that all UAVs share, with a grain of 11 mm. The local position
-//! has the precision of a float, relative to the estimator's own origin. Where both tell of the same
+//! has the precision of a float, relative to the estimator's own origin. Where both are of the same
 //! time and agree, the local one refines the global one.
 
 use crate::messages::{GlobalPosition, LocalPosition};

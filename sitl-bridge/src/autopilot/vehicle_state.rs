@@ -1,4 +1,4 @@
-//! What telemetry has told about a vehicle: odometry, clock, health.
+//! The state of a vehicle by its telemetry: odometry, clocks, health.
 
 use super::clock::{ClockUpdate, VehicleClock};
 use super::firmware::{Firmware, Mode};

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 use thiserror::Error;
 
-/// Why an actor file may not fly here.
+/// Why an actor file must not fly on this computer.
 #[derive(Debug, Error)]
 pub(crate) enum ActorFileError {
     /// The file cannot be read.
@@ -13,10 +13,10 @@ pub(crate) enum ActorFileError {
     Read {
         /// The file.
         path: PathBuf,
-        /// The system's word.
+        /// The system's error.
         source: io::Error,
     },
-    /// It is no sound actor file.
+    /// It is damaged or no actor file.
     #[error("{} is no actor file that can fly", path.display())]
     Load {
         /// The file.
@@ -24,7 +24,7 @@ pub(crate) enum ActorFileError {
         /// What is wrong with it.
         source: LoadError,
     },
-    /// This computer gives other logits.
+    /// This computer computes other logits: the self-test failed.
     #[error("{} must not fly here", path.display())]
     SelfTest {
         /// The file.
@@ -42,7 +42,7 @@ pub(crate) struct SelfTest {
 }
 
 impl SelfTest {
-    /// Prints one line when all vectors hold.
+    /// Runs the self-test and prints one line when it passes.
     ///
     /// # Errors
     /// See [`ActorFileError`].
@@ -58,7 +58,7 @@ impl SelfTest {
 pub(crate) struct Signature {
     /// The actor file.
     file: PathBuf,
-    /// Neighbourhoods to decide.
+    /// Number of neighbourhoods to decide.
     #[arg(long, default_value_t = FINGERPRINT_CASES)]
     cases: u32,
 }

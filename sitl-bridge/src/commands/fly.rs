@@ -4,11 +4,11 @@ use super::actor_file::flight_ready;
 use super::args::{ActorArgs, SigningArgs, TimingArgs};
 use super::console::{Console, stop_flag};
 use crate::connection::{Address, Connection};
-use crate::mission::{Mission, PoiMap};
+use crate::mission::Mission;
 use crate::node::run::{Links, NodeEvent, RunControl, run};
-use crate::node::{FeedForward, Node, Settings, gate_limits};
+use crate::node::{Node, Settings, gate_limits};
 use crate::status_view::{StatusView, ViewMode};
-use crate::swarm_link::{SwarmAddress, SwarmSocket, system_of};
+use crate::swarm_link::{SwarmAddress, SwarmSocket};
 use crate::tlog::TlogWriter;
 use firmware_core::gate::Limits;
 use miette::{IntoDiagnostic as _, Result, WrapErr as _};
@@ -83,13 +83,8 @@ impl Fly {
         }
         let base = if self.simulated { Limits::simulation() } else { Limits::default() };
         let settings = Settings {
-            id: self.id,
-            system: self.system.or_else(|| system_of(self.id)).unwrap_or(u8::MAX),
-            actor,
-            pois: Arc::new(PoiMap::new(&mission.pois)),
             timing: self.timing.timing(mission.scale.step_ms)?,
             limits: gate_limits(base, &mission),
-            feed_forward: FeedForward::Ramp,
             take_off: self.takeoff,
             rate_hz: f64::from(self.timing.rate_hz()),
             source: autopilot.source(),
@@ -97,8 +92,9 @@ impl Fly {
             swarm_signing,
             record: tlog.is_some(),
             advice: autopilot.advice(),
-            mission: Arc::clone(&mission),
+            ..Settings::new(self.id, actor, Arc::clone(&mission))
         };
+        let settings = Settings { system: self.system.unwrap_or(settings.system), ..settings };
         let mut node = Node::new(settings, self.signing.session(None)?).into_diagnostic()?;
         let mut control = RunControl::new(stop, self.land_on_exit);
         let console = Console::default();

@@ -23,8 +23,8 @@ enum Link {
 }
 
 impl Connection {
-    /// Opens the link. A TCP server that is not there yet is waited for in the background; a
-    /// name that nobody knows, a port that is taken or a serial line that is missing is an error.
+    /// Opens the link. A TCP server that is not running yet is tried again in the background; an
+    /// unknown host name, a port in use or a missing serial line is an error.
     ///
     /// # Errors
     /// See [`OpenError`].
@@ -48,7 +48,7 @@ impl Connection {
         }
     }
 
-    /// Takes what arrived next; never waits. A datagram longer than `buffer` is cut, so give it
+    /// Receives the next bytes; never waits. A datagram longer than `buffer` is cut, so give it
     /// [`super::RECEIVE_LEN`] bytes.
     ///
     /// # Errors
@@ -79,7 +79,7 @@ impl Connection {
         }
     }
 
-    /// What to wait on with [`super::wait`]; `None` while a stream is broken.
+    /// The descriptor to wait on with [`super::wait`]; `None` while a stream is broken.
     #[must_use]
     pub fn watch(&self) -> Option<Watch<'_>> {
         match &self.link {
@@ -88,8 +88,8 @@ impl Connection {
         }
     }
 
-    /// Where it listens, with the port that was really given when 0 was asked for; `None` of a
-    /// link that listens nowhere.
+    /// The address it listens on, with the port that the system chose where 0 was given; `None` for a
+    /// link that does not listen.
     #[must_use]
     pub fn listens_on(&self) -> Option<SocketAddr> {
         match &self.link {
@@ -98,7 +98,7 @@ impl Connection {
         }
     }
 
-    /// What it does now, for a person: `listening on udp 0.0.0.0:14550`.
+    /// Its present state in words: `listening on udp 0.0.0.0:14550`.
     #[must_use]
     pub fn describe(&self) -> String {
         match &self.link {
@@ -107,7 +107,7 @@ impl Connection {
         }
     }
 
-    /// What to check when nothing is heard on it.
+    /// What a user should check when nothing is received on it.
     #[must_use]
     pub fn advice(&self) -> String {
         match &self.link {

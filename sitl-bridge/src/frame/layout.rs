@@ -29,10 +29,10 @@ pub enum Version {
     V2,
 }
 
-/// One whole frame, as on the wire.
+/// One complete frame, as on the wire.
 ///
-/// Its checksum held, or could not be known (see [`Frame::is_checked`]). Nothing is said about
-/// its signature; that is [`crate::signing::Session::check`].
+/// Its checksum is right, or could not be verified (see [`Frame::is_checked`]). Its signature is
+/// verified by [`crate::signing::Session::check`].
 #[derive(Clone, Copy)]
 pub struct Frame {
     pub(super) bytes: [u8; MAX_LEN],
@@ -40,14 +40,14 @@ pub struct Frame {
     pub(super) checked: bool,
 }
 
-/// The end of a signed frame.
+/// The signature at the end of a signed frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Signature {
-    /// Which of the sender's links it was made for.
+    /// The sender's link id.
     pub link_id: u8,
-    /// When it was made, by the sender's clock.
+    /// When it was signed, by the sender's clock.
     pub timestamp: Timestamp,
-    /// The code that only a holder of the key can make.
+    /// The first 48 bits of SHA-256 over key, frame, link id and timestamp.
     pub code: [u8; 6],
 }
 
@@ -76,7 +76,7 @@ impl Frame {
         }
     }
 
-    /// Counts the sender's frames and wraps around.
+    /// The sender's sequence number, which wraps around.
     #[must_use]
     pub const fn sequence(&self) -> u8 {
         match self.version() {
@@ -85,26 +85,27 @@ impl Frame {
         }
     }
 
-    /// Which message it carries, 0 to 2²⁴ − 1.
+    /// The message id, 0 to 2²⁴ − 1.
     #[must_use]
     pub const fn message_id(&self) -> u32 {
         message_id(&self.bytes)
     }
 
-    /// The payload as it was sent: MAVLink 2 leaves out zeros at its end.
+    /// The payload as it was sent: MAVLink 2 truncates zeros at its end.
     #[must_use]
     pub fn payload(&self) -> &[u8] {
         let header = self.header_len();
         &self.bytes[header..header + usize::from(self.bytes[1])]
     }
 
-    /// The whole frame.
+    /// The bytes of the frame, signature included.
     #[must_use]
     pub fn bytes(&self) -> &[u8] {
         &self.bytes[..self.len]
     }
 
-    /// Whether its checksum was verified. It cannot be for a message of an unknown dialect.
+    /// Whether its checksum was verified. It cannot be for a message of an unknown dialect, whose
+    /// CRC_EXTRA is not known.
     #[must_use]
     pub const fn is_checked(&self) -> bool {
         self.checked
@@ -124,8 +125,7 @@ impl Frame {
         Some(Signature { link_id, timestamp, code: *code })
     }
 
-    /// What the message says, by the common message set. Fields that MAVLink added later are
-    /// ignored.
+    /// Decodes the payload by the common message set. Extension fields are ignored.
     ///
     /// # Errors
     /// The message is not in the common set, or a field holds a value that its enumeration does
@@ -135,8 +135,7 @@ impl Frame {
         MavMessage::parse(self.version().into(), self.message_id(), self.payload())
     }
 
-    /// All that a signature covers besides the key, the link id and the timestamp: header,
-    /// payload, checksum.
+    /// The part of the frame that a signature covers: header, payload and checksum.
     pub(crate) fn signed_part(&self) -> &[u8] {
         let end = self.len - if self.is_signed() { SIGNATURE } else { 0 };
         &self.bytes[..end]
@@ -180,7 +179,7 @@ pub(super) const fn message_id(bytes: &[u8]) -> u32 {
     }
 }
 
-/// Who sent what, without the payload: SETUP_SIGNING's holds a key.
+/// Prints the header without the payload: that of SETUP_SIGNING holds a key.
 impl fmt::Debug for Frame {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Frame")

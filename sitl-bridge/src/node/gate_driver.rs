@@ -43,7 +43,7 @@ pub(super) struct GateOutput {
 pub(super) struct GateDriver {
     gate: Gate,
     verdict: Verdict,
-    /// The operator's request, until the gate has been told.
+    /// The operator's request, until it is handed to the gate.
     request: Option<Request>,
     /// When the gate was last asked, by the vehicle's and by the host's clock.
     asked_boot_ms: u32,
@@ -76,7 +76,7 @@ impl GateDriver {
         self.request = Some(request);
     }
 
-    /// Takes the operator's request, to tell the gate.
+    /// Takes the operator's request, to hand it to the gate.
     pub const fn take_request(&mut self) -> Option<Request> {
         self.request.take()
     }

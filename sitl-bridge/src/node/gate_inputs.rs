@@ -1,4 +1,4 @@
-//! What the safety gate is told of vehicle, swarm and decision.
+//! The safety gate's inputs from vehicle, swarm and decision.
 
 use super::host_time::HostTime;
 use super::plan::{FeedForward, Plan, thousandths};
@@ -9,7 +9,7 @@ use firmware_core::gate::{self, Inputs, Measured, Proposal, Request, Vector};
 /// What an estimator or a GPS reported counts for this long, ms of the vehicle's clock.
 const HEALTH_MS: u32 = 3000;
 
-/// What the gate is told besides the vehicle's telemetry.
+/// The gate's inputs besides the vehicle's telemetry.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GateContext<'a> {
     pub mission: &'a Mission,

@@ -15,7 +15,7 @@ pub(super) struct HostClockFallback {
 
 impl HostClockFallback {
     /// To be called at each position, at `now_ms` of the node's clock and `unix_us` of the host's.
-    /// Returns what to tell the operator.
+    /// Returns a notice when it has set the clock.
     pub fn update(&mut self, clock: &mut VehicleClock, now_ms: i64, unix_us: u64) -> Option<Notice> {
         let first = *self.first_position_ms.get_or_insert(now_ms);
         if clock.is_set() || now_ms - first < FALLBACK_MS {

@@ -5,7 +5,7 @@ use super::step_timing::StepTiming;
 use crate::frame::Source;
 use crate::mission::{Mission, PoiMap};
 use crate::signing::LinkSigning;
-use crate::swarm_link::SwarmError;
+use crate::swarm_link::{SwarmError, system_of};
 use firmware_core::actor::Actor;
 use firmware_core::gate::{GeofenceError, Limits, LimitsError};
 use firmware_core::geometry::SPEED_CAP_U;
@@ -59,6 +59,32 @@ pub struct Settings<'a> {
     pub record: bool,
     /// What the operator should check when the autopilot is not heard.
     pub advice: String,
+}
+
+impl<'a> Settings<'a> {
+    /// UAV `id` with `actor`, which has passed its self-test, on `mission`, with the limits of real
+    /// flight: it waits for its pilot to take off, requests five positions a second from a link with
+    /// datagrams, and signs nothing.
+    #[must_use]
+    pub fn new(id: u16, actor: Actor<'a>, mission: Arc<Mission>) -> Self {
+        Self {
+            id,
+            system: system_of(id).unwrap_or(u8::MAX),
+            actor,
+            pois: Arc::new(PoiMap::new(&mission.pois)),
+            timing: StepTiming::default(),
+            limits: gate_limits(Limits::default(), &mission),
+            feed_forward: FeedForward::Ramp,
+            take_off: false,
+            rate_hz: 5.0,
+            source: Source::Datagrams,
+            autopilot_signing: LinkSigning::off(),
+            swarm_signing: LinkSigning::off(),
+            record: false,
+            advice: String::new(),
+            mission,
+        }
+    }
 }
 
 /// The safety gate's limits for a mission: `base` (real flight, simulation or ideal) adapted to its

@@ -1,11 +1,11 @@
 //! MAVLink 2 message signing.
 //!
-//! A [`Key`] is shared by those who may be believed. A node has one [`Session`], which keeps
-//! the time of what it signs and remembers the newest timestamp of every sender it heard, and
+//! A [`Key`] is shared by all authentic senders. A node has one [`Session`], which issues the
+//! timestamps of its signatures and remembers the newest timestamp of each sender, and
 //! one [`LinkSigning`] for each of its links. Because all links share the session, a frame
 //! recorded on one link is refused as a replay on the other too.
 //!
-//! Nothing here reads a clock: every call is told the time.
+//! Every call is given the time; only [`Timestamp::now`] reads a clock.
 
 mod key;
 mod session;

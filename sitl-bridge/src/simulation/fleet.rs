@@ -1,4 +1,4 @@
-//! The fleet of simulated autopilots: a Python process.
+//! The fleet of simulated autopilots: a process of `python -m simlink`.
 
 use serde_json::Value;
 use std::io::{self, BufRead as _, BufReader, Write as _};
@@ -10,27 +10,27 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
-/// The interpreter has this long to import what it needs.
+/// The fleet has this long to become ready.
 const START: Duration = Duration::from_secs(30);
-/// A fleet that was told to stop has this long to do so.
+/// A fleet has this long to stop.
 const END: Duration = Duration::from_secs(5);
-/// Lines of its log that are kept for an error message.
+/// Number of lines of its log that are kept for an error message.
 const LOG_LINES: usize = 12;
-/// Where set-up makes the Python environment, under the project's folder.
+/// The interpreter of the environment that `cargo xtask setup` makes, under the project's folder.
 const VENV: &str = ".venv/bin/python";
 
-/// Why there is no fleet.
+/// Why the fleet cannot be used.
 #[derive(Debug, Error)]
 pub enum FleetError {
-    /// No interpreter.
+    /// The interpreter did not start.
     #[error("cannot start the fleet's Python, {}: {source}; `cargo xtask setup` makes its environment, or name another with --python", python.display())]
     Start {
         /// What was to be started.
         python: PathBuf,
-        /// The system's word.
+        /// The system's error.
         source: io::Error,
     },
-    /// It lacks a package.
+    /// The interpreter lacks a package.
     #[error("{} has no {package}; `cargo xtask setup` makes an environment that has it, or name another with --python", python.display())]
     Package {
         /// The interpreter.
@@ -38,18 +38,18 @@ pub enum FleetError {
         /// The package.
         package: String,
     },
-    /// It ended.
+    /// The process ended.
     #[error("the fleet ended{}:\n{log}", status.as_ref().map(|s| format!(" ({s})")).unwrap_or_default())]
     Ended {
-        /// How.
+        /// Its exit status.
         status: Option<String>,
-        /// Its last words.
+        /// The end of its log.
         log: String,
     },
-    /// It did not come up in time.
+    /// It did not become ready in time.
     #[error("the fleet was not ready within {} s:\n{log}", START.as_secs())]
     NotReady {
-        /// Its last words.
+        /// The end of its log.
         log: String,
     },
 }
@@ -113,23 +113,23 @@ impl Fleet {
         Ok(fleet)
     }
 
-    /// Its process.
+    /// Its process id.
     #[must_use]
     pub fn process(&self) -> u32 {
         self.child.id()
     }
 
-    /// Sends a command; one that has ended does not hear it.
+    /// Sends a command; a fleet that has ended ignores it.
     pub fn command(&mut self, command: &Value) {
         if let Some(stdin) = &mut self.stdin {
             let _ = writeln!(stdin, "{command}").and_then(|()| stdin.flush());
         }
     }
 
-    /// What it told since this was last asked.
+    /// The events since the last call.
     ///
     /// # Errors
-    /// [`FleetError::Ended`] once it has ended and told everything.
+    /// [`FleetError::Ended`] once the process has ended and all its events were returned.
     pub fn events(&mut self) -> Result<Vec<Value>, FleetError> {
         let mut events = Vec::new();
         loop {
@@ -142,7 +142,7 @@ impl Fleet {
         }
     }
 
-    /// Ends the fleet and returns what it still told.
+    /// Stops the fleet and returns its last events.
     pub fn stop(&mut self) -> Vec<Value> {
         self.command(&serde_json::json!({"stop": true}));
         self.stdin = None;
@@ -160,7 +160,7 @@ impl Fleet {
             match self.events.recv_timeout(until.saturating_duration_since(Instant::now())) {
                 Ok(event) if event["event"] == "ready" => return Ok(()),
                 Ok(_) => {}
-                Err(RecvTimeoutError::Timeout) => return Err(FleetError::NotReady { log: self.last_words() }),
+                Err(RecvTimeoutError::Timeout) => return Err(FleetError::NotReady { log: self.log_tail() }),
                 Err(RecvTimeoutError::Disconnected) => return Err(self.ended()),
             }
         }
@@ -171,7 +171,7 @@ impl Fleet {
         for thread in self.threads.drain(..) {
             let _ = thread.join();
         }
-        let log = self.last_words();
+        let log = self.log_tail();
         let missing = log.rsplit_once("No module named ").and_then(|(_, rest)| rest.lines().next());
         match missing {
             Some(package) => FleetError::Package {
@@ -182,7 +182,7 @@ impl Fleet {
         }
     }
 
-    fn last_words(&self) -> String {
+    fn log_tail(&self) -> String {
         self.log.lock().unwrap_or_else(PoisonError::into_inner).join("\n")
     }
 }
@@ -206,8 +206,8 @@ impl Drop for Fleet {
     }
 }
 
-/// The interpreter to take: the one named, or that of the environment that set-up made, looked
-/// for from the present folder and from this program's upwards; else the system's.
+/// The Python interpreter of the fleet: the named one, or that of the environment that `cargo xtask setup`
+/// made, searched from the current directory and from this program's upwards; else `python3`.
 #[must_use]
 pub fn find_python(named: Option<&Path>) -> PathBuf {
     if let Some(python) = named {

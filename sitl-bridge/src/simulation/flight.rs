@@ -12,7 +12,7 @@ use crate::mission::{Mission, PoiMap};
 use crate::node::run::{Links, NodeEvent, RunControl, run};
 use crate::node::{FeedForward, Node, Settings, gate_limits};
 use crate::signing::Session;
-use crate::swarm_link::{SwarmAddress, SwarmSocket, system_of};
+use crate::swarm_link::{SwarmAddress, SwarmSocket};
 use crate::tlog::TlogWriter;
 use covey_env::World;
 use covey_report::atomic;
@@ -134,10 +134,6 @@ fn settings<'a>(
     let base = if sim.ideal { Limits::ideal() } else { Limits::simulation() };
     let limits = gate_limits(base, mission);
     Settings {
-        id,
-        system: system_of(id).unwrap_or(u8::MAX),
-        actor: sim.actor,
-        mission: Arc::clone(mission),
         pois: Arc::clone(pois),
         timing: sim.timing,
         limits,
@@ -149,5 +145,6 @@ fn settings<'a>(
         swarm_signing: sim.signing.1.clone(),
         record: links.tlog.is_some(),
         advice: links.autopilot.advice(),
+        ..Settings::new(id, sim.actor, Arc::clone(mission))
     }
 }

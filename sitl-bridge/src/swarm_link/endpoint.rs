@@ -12,13 +12,13 @@ use thiserror::Error;
 /// them back.
 const REMEMBERED: usize = 64;
 
-/// Why a neighbour message was not sent, or cannot be.
+/// Why a neighbour message cannot be sent.
 #[derive(Debug, Error)]
 pub enum SwarmError {
-    /// MAVLink has no system id for it.
+    /// The UAV's id has no MAVLink system id.
     #[error("id {0} cannot fly over MAVLink: ids go up to {MAX_ID}")]
     Id(u16),
-    /// The frame could not be made.
+    /// The frame could not be encoded.
     #[error(transparent)]
     Encode(#[from] EncodeError),
     /// The frame could not be signed.
@@ -26,7 +26,7 @@ pub enum SwarmError {
     Sign(#[from] SigningError),
 }
 
-/// A message that a neighbour sent.
+/// A message of a neighbour.
 #[derive(Clone, Debug)]
 pub struct Neighbour {
     /// The message.
@@ -83,7 +83,7 @@ impl SwarmLink {
         self.reader.push(datagram);
     }
 
-    /// The next message of a neighbour. What is none is counted and passed over.
+    /// The next message of a neighbour. Rejected frames are counted and skipped.
     pub fn next_message(&mut self, session: &mut Session, now: Timestamp) -> Option<Neighbour> {
         while let Some(frame) = self.reader.next_frame() {
             match self.unwrap(&frame, session, now) {
@@ -94,8 +94,8 @@ impl SwarmLink {
         None
     }
 
-    /// What was not used, by reason. [`Rejected::IdCollision`] means that somebody else flies
-    /// with our id.
+    /// Rejected frames and bytes, by reason. [`Rejected::IdCollision`] means that another UAV flies with
+    /// the own id.
     #[must_use]
     pub fn counts(&self) -> Counts {
         let mut counts = self.counts;

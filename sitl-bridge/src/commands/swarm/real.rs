@@ -6,7 +6,7 @@ use crate::commands::fly::parting;
 use crate::connection::{Address, Connection};
 use crate::mission::{Mission, PoiMap};
 use crate::node::run::{Links, NodeEvent, RunControl, run};
-use crate::node::{Counters, FeedForward, Node, Settings, gate_limits};
+use crate::node::{Counters, Node, Settings, gate_limits};
 use crate::status_view::{StatusView, ViewMode};
 use crate::swarm_link::{SwarmAddress, SwarmSocket, system_of};
 use crate::tlog::TlogWriter;
@@ -65,14 +65,9 @@ impl RealArgs {
         for (i, links) in self.links(shared)?.into_iter().enumerate() {
             let id = self.first_id + i as u16;
             let settings = Settings {
-                id,
-                system: system_of(id).unwrap_or(u8::MAX),
-                actor,
-                mission: Arc::clone(&mission),
                 pois: Arc::clone(&pois),
                 timing: shared.timing.timing(mission.scale.step_ms)?,
                 limits: gate_limits(base, &mission),
-                feed_forward: FeedForward::Ramp,
                 take_off: self.takeoff,
                 rate_hz: f64::from(shared.timing.rate_hz()),
                 source: links.autopilot.source(),
@@ -80,6 +75,7 @@ impl RealArgs {
                 swarm_signing: swarm_signing.clone(),
                 record: links.tlog.is_some(),
                 advice: links.autopilot.advice(),
+                ..Settings::new(id, actor, Arc::clone(&mission))
             };
             eprintln!("UAV {id}: {}", links.autopilot.describe());
             nodes.push((Node::new(settings, shared.signing.session(Some(id))?).into_diagnostic()?, links));
