@@ -1,4 +1,4 @@
-"""What an autopilot does with the messages it gets."""
+"""How an autopilot handles received messages: commands, setpoints, parameters."""
 
 import math
 
@@ -52,7 +52,7 @@ class Protocol:
         }
 
     def handle(self, message: mavlink.MAVLink_message) -> None:
-        """Does what a message asks, if it is meant for this autopilot."""
+        """Handles a message, if it is addressed to this autopilot."""
         handler = self._handlers.get(message.get_msgId())
         if handler is None:
             return
@@ -73,7 +73,7 @@ class Protocol:
         return ACCEPTED
 
     def _heartbeat(self, message: mavlink.MAVLink_message) -> None:
-        # Another autopilot on the same link is nobody's controller.
+        # Another autopilot on the same link is not a controller.
         if message.autopilot == mavlink.MAV_AUTOPILOT_INVALID or message.type == mavlink.MAV_TYPE_GCS:
             self._vehicle.autopilot.heartbeat()
 
@@ -89,7 +89,7 @@ class Protocol:
                 e, n, u = autopilot.body.east, autopilot.body.north, autopilot.body.up
             x, y, z = target.position
             target.position = (e + x, n + y, u + z)
-        autopilot.take_setpoint(target)
+        autopilot.accept_setpoint(target)
 
     # Commands
 

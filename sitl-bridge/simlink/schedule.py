@@ -39,8 +39,8 @@ _NEED_ORIGIN = (LOCAL_POSITION_NED, mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN, ma
 
 
 def is_known(vehicle: VehicleState, message: int) -> bool:
-    """Whether there is anything to say: what hangs on the EKF origin is not sent before there is one, and PX4
-    sends no global position either.
+    """Whether the message has content: those that depend on the EKF origin are not sent before there is one, and
+    PX4 then sends no global position either.
     """
     if vehicle.autopilot.has_origin:
         return True
@@ -58,18 +58,18 @@ PX4_STREAMS = {
     GLOBAL_POSITION_INT: 200,
     LOCAL_POSITION_NED: 200,
 }
-"""What PX4 sends unasked beside HEARTBEAT, ms between two; ArduPilot sends nothing more."""
+"""Intervals of the messages that PX4 sends without a request besides HEARTBEAT, ms; ArduPilot sends none."""
 
 
 class Schedule:
-    """What is sent how often. Messages of one interval fall into the same tick."""
+    """The message intervals. Messages of one interval are sent in the same tick."""
 
     def __init__(self, streams: dict[int, int]) -> None:
         self._defaults = {mavlink.MAVLINK_MSG_ID_HEARTBEAT: 1000, **streams}
         self.reset()
 
     def reset(self) -> None:
-        """Back to what is sent unasked."""
+        """Back to the intervals after boot."""
         self._intervals: dict[int, int] = {}
         self._last: dict[int, int] = {}
         for message, interval in self._defaults.items():

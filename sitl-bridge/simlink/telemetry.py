@@ -1,4 +1,4 @@
-"""What stands in the messages that an autopilot sends."""
+"""The messages that an autopilot sends, made from the state of its vehicle."""
 
 import math
 
@@ -34,7 +34,7 @@ def heartbeat(vehicle: VehicleState) -> mavlink.MAVLink_message:
     """HEARTBEAT."""
     autopilot = vehicle.autopilot
     base_mode = mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | mavlink.MAV_MODE_FLAG_STABILIZE_ENABLED
-    if autopilot.mode.name == autopilot.FOLLOWING:
+    if autopilot.mode.name == autopilot.GUIDED_MODE:
         base_mode |= mavlink.MAV_MODE_FLAG_GUIDED_ENABLED
     if autopilot.armed:
         base_mode |= mavlink.MAV_MODE_FLAG_SAFETY_ARMED

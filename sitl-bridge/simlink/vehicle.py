@@ -51,7 +51,7 @@ class Vehicle(VehicleState):
         return frames
 
     def receive(self, datagram: bytes) -> list[bytes]:
-        """Takes a datagram; returns the answers."""
+        """Handles a datagram; returns the frames of the answers."""
         if self.is_silent:
             return []
         for message in self.endpoint.unpack(datagram):
@@ -59,7 +59,7 @@ class Vehicle(VehicleState):
         return self.replies()
 
     def replies(self) -> list[bytes]:
-        """The frames of what waits in the outbox."""
+        """The frames of the messages in the outbox."""
         frames = [self.endpoint.pack(message) for message in self.outbox]
         self.outbox.clear()
         return frames

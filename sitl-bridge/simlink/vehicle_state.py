@@ -33,7 +33,7 @@ class Estimate(NamedTuple):
 
 
 class VehicleState:
-    """What a vehicle is and does, without its MAVLink messages. Owns no clock."""
+    """Everything of a vehicle but its MAVLink messages. Owns no clock."""
 
     def __init__(self, config: VehicleConfig, fleet: FleetConfig, emit: Emit) -> None:
         self.config = config
@@ -80,7 +80,7 @@ class VehicleState:
         """Time of day."""
         return self._fleet.unix_ms + self.t_ms
 
-    # What it knows
+    # Estimates
 
     @property
     def ekf_origin(self) -> tuple[float, float, float]:
@@ -102,7 +102,7 @@ class VehicleState:
         return self._estimate
 
     def battery_percent(self) -> float:
-        """What is left, 0 to 100."""
+        """Remaining charge, 0 to 100 %."""
         minutes = self._fleet.battery.minutes
         if minutes is None:
             return self._battery_percent
@@ -111,7 +111,7 @@ class VehicleState:
     # Time
 
     def advance(self, t_ms: int) -> None:
-        """Lets time pass until `t_ms`, ms since the fleet began."""
+        """Advances to `t_ms`, ms since the fleet began."""
         dt_s = (t_ms - self.t_ms) / 1000.0
         self.t_ms = t_ms
         self._estimate = None
@@ -122,14 +122,14 @@ class VehicleState:
             self._begin_fault(fault)
         if self._rebooting_until is not None and t_ms >= self._rebooting_until:
             self._restart()
-        self._wander(dt_s)
+        self._advance_noise(dt_s)
         behaviour = self.autopilot.mode.behaviour
         down = behaviour in (Behaviour.RETURN, Behaviour.LAND) or not self.autopilot.armed
         self.autopilot.advance(t_ms, self.ideal is None or down)
         if self.ideal:
             self._follow_body(self.ideal, down)
 
-    def _wander(self, dt_s: float) -> None:
+    def _advance_noise(self, dt_s: float) -> None:
         sigma = self._fleet.gps_noise_m
         if sigma:
             keep = math.exp(-dt_s / _NOISE_TIME_S)
@@ -145,14 +145,14 @@ class VehicleState:
         if not self._acts():
             ideal.stop()
             if not down:
-                body.rest_horizontally()
+                body.stop_horizontally()
 
     def _acts(self) -> bool:
         autopilot = self.autopilot
         return autopilot.follows and autopilot.airborne and autopilot.flight.setpoint is not None
 
     def step(self) -> None:
-        """A step boundary of an ideal flight: moves by what the last setpoint says."""
+        """A step boundary of an ideal flight: moves by the last setpoint."""
         ideal, setpoint = self.ideal, self.autopilot.flight.setpoint
         if ideal is None or setpoint is None or not self._acts():
             return
@@ -190,7 +190,7 @@ class VehicleState:
                 self.pilot_mode(fault.option)
             case "battery_low":
                 self._battery_percent, self._battery_ms = fault.option, self.t_ms
-                autopilot.say(4, "Battery 1 is low")
+                autopilot.send_text(4, "Battery 1 is low")
             case "teleport":
                 self._teleport(*fault.option)
             case "disarm":
@@ -204,7 +204,7 @@ class VehicleState:
             self.autopilot.ekf_bad = False
 
     def pilot_mode(self, name: str) -> None:
-        """The pilot's switch; ValueError when the autopilot has no such mode."""
+        """The pilot changes the mode; ValueError when the autopilot has no such mode."""
         mode = modes.by_name(self.autopilot.MODES, name)
         if mode is None:
             known = ", ".join(mode.name for mode in self.autopilot.MODES)
