@@ -153,7 +153,7 @@ class Fleet:
         return self._next_tick
 
     def _needs_wall_clock(self, vehicle: Vehicle) -> bool:
-        """Whether time must not run faster than `speed`: no setpoints are waited for, and the controller has to keep up."""
+        """Whether time must not run faster than `speed`, as no setpoints are waited for and the controller must keep up."""
         autopilot = vehicle.autopilot
         return not autopilot.crashed and (not autopilot.is_streaming or vehicle in self._late)
 

@@ -46,7 +46,7 @@ class Protocol:
             mavlink.MAV_CMD_SET_MESSAGE_INTERVAL: self._set_interval,
             mavlink.MAV_CMD_GET_MESSAGE_INTERVAL: self._get_interval,
             mavlink.MAV_CMD_REQUEST_MESSAGE: self._request,
-            mavlink.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: lambda *_: self._send(telemetry.autopilot_version(self._vehicle)),
+            mavlink.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: lambda *_: self._send_version(),
             mavlink.MAV_CMD_GET_HOME_POSITION: lambda *_: self._request(mavlink.MAVLINK_MSG_ID_HOME_POSITION),
             mavlink.MAV_CMD_DO_CHANGE_SPEED: lambda *_: ACCEPTED,
         }
@@ -71,6 +71,9 @@ class Protocol:
     def _send(self, message: mavlink.MAVLink_message) -> int:
         self._outbox.append(message)
         return ACCEPTED
+
+    def _send_version(self) -> int:
+        return self._send(telemetry.autopilot_version(self._vehicle))
 
     def _heartbeat(self, message: mavlink.MAVLink_message) -> None:
         # Another autopilot on the same link is not a controller.
@@ -123,7 +126,8 @@ class Protocol:
         if isinstance(autopilot, Px4):
             # Above the sea; without a number a parameter says how high above the ground.
             known = math.isfinite(height)
-            up = height - self._vehicle.plane.altitude_m if known else autopilot.body.up + autopilot.parameters["MIS_TAKEOFF_ALT"]
+            default = autopilot.body.up + autopilot.parameters["MIS_TAKEOFF_ALT"]
+            up = height - self._vehicle.plane.altitude_m if known else default
         else:
             up = autopilot.body.up + height
         if not math.isfinite(up) or up <= autopilot.body.up:

@@ -1,7 +1,7 @@
 """Simulated neighbours that disturb a swarm on purpose.
 
-A ghost listens to the swarm and sends when the swarm does: at the first beacon of a new step it sends its own beacon with
-that step and time, at the first feature its own feature. So it keeps up with a simulation at any speed.
+A ghost listens to the swarm and sends when the swarm does: at the first beacon of a new step its own beacon with that
+step and time, at the first feature its own feature. So it keeps up with a simulation at any speed.
 """
 
 import random
