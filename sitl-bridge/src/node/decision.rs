@@ -1,6 +1,7 @@
 //! Records of a node's steps and decisions.
 
 use firmware_core::geometry::State;
+use firmware_core::hash::Fnv1a;
 use firmware_core::observation::{MAX_NEIGHBOURS, Observation};
 
 /// A step that began, and the state that it will be decided on.
@@ -63,7 +64,7 @@ impl Decision {
 /// FNV-1a over an observation: the same on every computer, and enough to tell two observations apart.
 #[must_use]
 pub fn observation_hash(observation: &Observation) -> u64 {
-    observation.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &v| {
-        (hash ^ u64::from(v.to_le_bytes()[0])).wrapping_mul(0x0000_0100_0000_01b3)
-    })
+    let mut hash = Fnv1a::new();
+    observation.iter().for_each(|v| hash.write(&v.to_le_bytes()));
+    hash.finish()
 }

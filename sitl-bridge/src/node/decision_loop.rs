@@ -177,9 +177,9 @@ impl<'a> DecisionLoop<'a> {
 
     fn hear(&mut self, message: &Message) -> bool {
         let Some(step) = &self.step else { return false };
-        let answer = self.agent.hear(message, step.state.position, step.start);
-        self.counters.count_message(answer);
-        answer.is_taken()
+        let outcome = self.agent.hear(message, step.state.position, step.start);
+        self.counters.count_message(outcome);
+        outcome.is_taken()
     }
 
     /// Takes in a measurement. On the ground (not `airborne`) the UAV broadcasts and decides nothing.

@@ -13,7 +13,7 @@ const BRING_UP: [u16; 2] = [mav_cmd::NAV_TAKEOFF, mav_cmd::COMPONENT_ARM_DISARM]
 
 /// Why a recording cannot be replayed.
 #[derive(Debug, Error)]
-pub enum SurveyError {
+pub enum RecordingError {
     /// It cannot be read.
     #[error("it cannot be read")]
     Read(#[from] io::Error),
@@ -74,7 +74,7 @@ pub enum Role {
     /// Another frame that it sent to the autopilot.
     Sent,
     /// A message that it told the swarm.
-    Told,
+    Broadcast,
     /// A neighbour's message.
     Swarm,
     /// A frame that came from the autopilot's link.
@@ -83,7 +83,7 @@ pub enum Role {
 
 /// Who is who in a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Survey {
+pub struct RecordingInfo {
     /// The UAV.
     pub id: u16,
     /// The node's MAVLink system towards the autopilot.
@@ -98,13 +98,13 @@ pub struct Survey {
     pub cut: bool,
 }
 
-impl Survey {
+impl RecordingInfo {
     /// Reads a log to its end. Of the UAV's id and the node's system, those that are not named
     /// are found out where the log leaves no doubt.
     ///
     /// # Errors
-    /// See [`SurveyError`].
-    pub fn of<R: Read>(log: &mut TlogReader<R>, id: Option<u16>, system: Option<u8>) -> Result<Self, SurveyError> {
+    /// See [`RecordingError`].
+    pub fn of<R: Read>(log: &mut TlogReader<R>, id: Option<u16>, system: Option<u8>) -> Result<Self, RecordingError> {
         let (mut nodes, mut ids) = (BTreeSet::new(), BTreeSet::new());
         let (mut records, mut bytes) = (0, 0);
         let mut brought_up = BTreeSet::new();
@@ -125,23 +125,23 @@ impl Survey {
             }
         }
         if records == 0 {
-            return Err(SurveyError::NoFrames { bytes: bytes + log.skipped() });
+            return Err(RecordingError::NoFrames { bytes: bytes + log.skipped() });
         }
         nodes.retain(|&node| system.is_none_or(|s| s == node));
         let system = match (nodes.first(), nodes.len()) {
             (Some(&only), 1) => only,
-            (None, _) => return Err(SurveyError::NoSetpoints { records, system }),
+            (None, _) => return Err(RecordingError::NoSetpoints { records, system }),
             _ => match id.and_then(system_of).filter(|s| nodes.contains(s)) {
                 Some(own) => own,
-                None => return Err(SurveyError::SeveralNodes { systems: nodes.into_iter().collect() }),
+                None => return Err(RecordingError::SeveralNodes { systems: nodes.into_iter().collect() }),
             },
         };
         let ids: Vec<u16> = ids.into_iter().collect();
         let id = match (id, system.checked_sub(1).map(u16::from)) {
             (Some(id), _) if ids.is_empty() || ids.contains(&id) => id,
-            (Some(id), _) => return Err(SurveyError::OtherUav { id, ids }),
+            (Some(id), _) => return Err(RecordingError::OtherUav { id, ids }),
             (None, Some(id)) if ids.is_empty() || ids.contains(&id) => id,
-            (None, _) => return Err(SurveyError::WhichId { system, ids }),
+            (None, _) => return Err(RecordingError::WhichId { system, ids }),
         };
         let took_off = brought_up.contains(&system);
         Ok(Self { id, system, took_off, records, skipped: log.skipped(), cut: log.is_cut() })
@@ -152,7 +152,7 @@ impl Survey {
     #[must_use]
     pub fn role(&self, frame: &Frame) -> Role {
         if is_neighbour(frame) {
-            return if Some(frame.system()) == system_of(self.id) { Role::Told } else { Role::Swarm };
+            return if Some(frame.system()) == system_of(self.id) { Role::Broadcast } else { Role::Swarm };
         }
         if frame.system() == self.system && frame.component() == COMPONENT {
             match frame.message_id() {

@@ -17,7 +17,7 @@ const SAME: f64 = 0.002;
 /// What differs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub enum DifferenceKind {
     /// Another action was flown than is decided now.
     Action,
     /// The UAV saw something else: its feature is another.
@@ -36,7 +36,7 @@ pub struct Difference {
     /// The UAV.
     pub uav: u16,
     /// What differs.
-    pub kind: Kind,
+    pub kind: DifferenceKind,
     /// The action that was flown, where it can be told.
     pub recorded: Option<u8>,
     /// The action that is decided now, if any.
@@ -49,19 +49,21 @@ impl fmt::Display for Difference {
         let (recorded, replayed) = (action(self.recorded), action(self.replayed));
         write!(f, "step {}, UAV {}: ", self.step, self.uav)?;
         match self.kind {
-            Kind::Action => write!(f, "flown was action {recorded}, decided is {replayed}"),
-            Kind::Feature => {
+            DifferenceKind::Action => write!(f, "flown was action {recorded}, decided is {replayed}"),
+            DifferenceKind::Feature => {
                 write!(f, "another feature was told: the UAV saw something else (action {replayed} all the same)")
             }
-            Kind::NotDecided => write!(f, "it was decided in flight; what it was decided on is not in the log"),
-            Kind::NotFlown => write!(f, "flown was no action, the gate held; decided is {replayed}"),
+            DifferenceKind::NotDecided => {
+                write!(f, "it was decided in flight; what it was decided on is not in the log")
+            }
+            DifferenceKind::NotFlown => write!(f, "flown was no action, the gate held; decided is {replayed}"),
         }
     }
 }
 
 /// What came of a replay.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Account {
+pub struct ReplayReport {
     /// Decisions of the node that was run again.
     pub decisions: u64,
     /// … for which a setpoint stands in the log.
@@ -85,7 +87,7 @@ pub struct Account {
     pub differences: Vec<Difference>,
 }
 
-impl Account {
+impl ReplayReport {
     /// Whether every decision that could be compared is the same.
     #[must_use]
     pub fn is_equal(&self) -> bool {
@@ -145,20 +147,20 @@ struct Case {
 
 /// Holds decisions made again against what stands in the log. Feed it in the log's order.
 #[derive(Debug)]
-pub struct Judge {
+pub struct ReplayCheck {
     uav: u16,
     scale: Scale,
     feed_forward: FeedForward,
     case: Option<Case>,
     /// Features by step: told in flight, and now.
     told: BTreeMap<u32, FeatureMessage>,
-    told_again: BTreeMap<u32, FeatureMessage>,
+    rebroadcast: BTreeMap<u32, FeatureMessage>,
     /// Actions decided now.
     decided: BTreeMap<u32, u8>,
-    account: Account,
+    report: ReplayReport,
 }
 
-impl Judge {
+impl ReplayCheck {
     /// For UAV `uav`, whose flight had this scale and feed-forward.
     #[must_use]
     pub fn new(uav: u16, scale: Scale, feed_forward: FeedForward) -> Self {
@@ -168,9 +170,9 @@ impl Judge {
             feed_forward,
             case: None,
             told: BTreeMap::new(),
-            told_again: BTreeMap::new(),
+            rebroadcast: BTreeMap::new(),
             decided: BTreeMap::new(),
-            account: Account::default(),
+            report: ReplayReport::default(),
         }
     }
 
@@ -182,7 +184,7 @@ impl Judge {
     }
 
     /// A setpoint that is sent now.
-    pub fn flown_again(&mut self, frame: &Frame) {
+    pub fn replayed_setpoint(&mut self, frame: &Frame) {
         if let (Some(case), Some(flown)) = (&mut self.case, SetpointValues::read(frame)) {
             case.replayed.push(flown);
         }
@@ -191,15 +193,15 @@ impl Judge {
     /// A message to the swarm in the log.
     pub fn told(&mut self, frame: &Frame) {
         if let Some((step, feature)) = feature(frame) {
-            self.account.flown_actor = Some(feature.actor());
+            self.report.flown_actor = Some(feature.actor());
             self.told.insert(step, feature);
         }
     }
 
     /// A message to the swarm that is sent now.
-    pub fn told_again(&mut self, frame: &Frame) {
+    pub fn rebroadcast(&mut self, frame: &Frame) {
         if let Some((step, feature)) = feature(frame) {
-            self.told_again.insert(step, feature);
+            self.rebroadcast.insert(step, feature);
         }
     }
 
@@ -207,63 +209,63 @@ impl Judge {
     pub fn decided(&mut self, decision: &Decision, plan: &Plan) {
         self.close();
         self.decided.insert(decision.step, decision.action);
-        self.account.decisions += 1;
+        self.report.decisions += 1;
         self.case = Some(Case { decision: *decision, plan: *plan, recorded: Vec::new(), replayed: Vec::new() });
     }
 
-    /// The account, after the last record.
+    /// The report, after the last record.
     #[must_use]
-    pub fn finish(mut self, counters: &Counters) -> Account {
+    pub fn finish(mut self, counters: &Counters) -> ReplayReport {
         self.close();
         for (&step, feature) in &self.told {
             let replayed = self.decided.get(&step).copied();
-            let kind = match self.told_again.get(&step) {
+            let kind = match self.rebroadcast.get(&step) {
                 Some(again) if again == feature => None,
-                Some(_) => Some(Kind::Feature),
-                None => Some(Kind::NotDecided),
+                Some(_) => Some(DifferenceKind::Feature),
+                None => Some(DifferenceKind::NotDecided),
             };
-            self.account.features += 1;
-            let known = self.account.differences.iter().any(|d| d.step == step);
+            self.report.features += 1;
+            let known = self.report.differences.iter().any(|d| d.step == step);
             if let Some(kind) = kind.filter(|_| !known) {
-                let recorded = replayed.filter(|_| kind == Kind::Feature);
-                self.account.differences.push(Difference { step, uav: self.uav, kind, recorded, replayed });
+                let recorded = replayed.filter(|_| kind == DifferenceKind::Feature);
+                self.report.differences.push(Difference { step, uav: self.uav, kind, recorded, replayed });
             }
         }
-        self.account.differences.sort_by_key(|d| d.step);
-        self.account.missed_decisions = counters.missed_decisions;
-        self.account
+        self.report.differences.sort_by_key(|d| d.step);
+        self.report.missed_decisions = counters.missed_decisions;
+        self.report
     }
 
     fn close(&mut self) {
         let Some(case) = self.case.take() else { return };
         if case.recorded.is_empty() {
-            self.account.without_setpoint += 1;
+            self.report.without_setpoint += 1;
             return;
         }
-        self.account.compared += 1;
-        self.account.setpoints += case.recorded.len() as u64;
+        self.report.compared += 1;
+        self.report.setpoints += case.recorded.len() as u64;
         let again: BTreeMap<u32, SetpointValues> = case.replayed.iter().copied().collect();
         let same = |(at, flown): &&(u32, SetpointValues)| again.get(at).is_some_and(|other| other.is(flown));
         let other = case.recorded.iter().filter(|r| !same(r)).count() as u64;
         if other == 0 {
-            self.account.equal += 1;
+            self.report.equal += 1;
             return;
         }
-        self.account.other_setpoints += other;
+        self.report.other_setpoints += other;
         let held = case.recorded.iter().all(|(_, flown)| flown.stands());
         let (kind, recorded) = if held && case.plan.action != Action::COAST {
-            (Kind::NotFlown, None)
+            (DifferenceKind::NotFlown, None)
         } else {
-            (Kind::Action, Some(self.nearest(&case)))
+            (DifferenceKind::Action, Some(self.nearest(&case)))
         };
         let replayed = case.decision.action;
         if recorded == Some(replayed) {
-            self.account.equal += 1;
+            self.report.equal += 1;
             return;
         }
         let step = case.decision.step;
         let replayed = Some(replayed);
-        self.account.differences.push(Difference { step, uav: self.uav, kind, recorded, replayed });
+        self.report.differences.push(Difference { step, uav: self.uav, kind, recorded, replayed });
     }
 
     /// The action whose flight is nearest to the one that was flown; among equals the one decided now, for
