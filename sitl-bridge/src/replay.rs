@@ -92,8 +92,8 @@ impl<'a> Replay<'a> {
 
     fn collect(&mut self) {
         for decision in &self.out.decisions {
-            if let Some(plan) = self.node.plan() {
-                self.check.decided(decision, plan);
+            if let Some(profile) = self.node.velocity_profile() {
+                self.check.decided(decision, profile);
             }
         }
         self.out.to_swarm.iter().for_each(|frame| self.check.rebroadcast(frame));

@@ -32,7 +32,7 @@ pub enum Version {
 /// One complete frame, as on the wire.
 ///
 /// Its checksum is right, or could not be verified (see [`Frame::is_checked`]). Its signature is
-/// verified by [`crate::signing::Session::check`].
+/// verified by [`crate::signing::Session::verify`].
 #[derive(Clone, Copy)]
 pub struct Frame {
     pub(super) bytes: [u8; MAX_LEN],

@@ -34,7 +34,7 @@ impl AutopilotLink {
     /// The next authentic frame. Others are counted and skipped.
     pub fn next_frame(&mut self, session: &mut Session, now: HostTime) -> Option<Frame> {
         while let Some(frame) = self.reader.next_frame() {
-            match session.check(&self.signing, &frame, now.timestamp()) {
+            match session.verify(&self.signing, &frame, now.timestamp()) {
                 Ok(()) => return Some(frame),
                 Err(reason) => self.rejected.count(reason),
             }
@@ -48,7 +48,7 @@ impl AutopilotLink {
     /// What went wrong, in words.
     pub fn encode(&mut self, payload: &Payload, session: &mut Session, now: HostTime) -> Result<Frame, String> {
         let frame = self.encoder.encode_payload(payload.id, payload.bytes()).map_err(|e| e.to_string())?;
-        session.seal(&self.signing, frame, now.timestamp()).map_err(|e| e.to_string())
+        session.sign(&self.signing, frame, now.timestamp()).map_err(|e| e.to_string())
     }
 
     /// Frames and bytes that were not used, by reason.

@@ -8,8 +8,8 @@
 
 use super::counters::Counters;
 use super::decision::{Decision, StepStart, observation_hash};
-use super::plan::Plan;
 use super::step_timing::StepTiming;
+use super::velocity_profile::VelocityProfile;
 use crate::mission::{Mission, PoiMap};
 use firmware_core::actor::Actor;
 use firmware_core::agent::{Agent, AgentError, AgentSettings};
@@ -91,7 +91,7 @@ pub(super) struct DecisionLoop<'a> {
     early: Vec<Message>,
     beacon_sequence: Sequence,
     feature_sequence: Sequence,
-    plan: Option<Plan>,
+    profile: Option<VelocityProfile>,
     counters: Counters,
 }
 
@@ -117,7 +117,7 @@ impl<'a> DecisionLoop<'a> {
             early: Vec::new(),
             beacon_sequence: Sequence::default(),
             feature_sequence: Sequence::default(),
-            plan: None,
+            profile: None,
             counters: Counters::default(),
         }
     }
@@ -137,15 +137,15 @@ impl<'a> DecisionLoop<'a> {
 
     /// Forgets the step, the decision and the neighbours, when the clock is another one.
     pub fn reset(&mut self) {
-        (self.step, self.plan) = (None, None);
+        (self.step, self.profile) = (None, None);
         self.early.clear();
         let settings = *self.agent.settings();
         self.agent.reset(settings);
     }
 
     /// The flight last decided on.
-    pub const fn plan(&self) -> Option<&Plan> {
-        self.plan.as_ref()
+    pub const fn velocity_profile(&self) -> Option<&VelocityProfile> {
+        self.profile.as_ref()
     }
 
     /// Counts of decisions and messages.
@@ -265,7 +265,8 @@ impl<'a> DecisionLoop<'a> {
             self.counters.decisions += 1;
             self.counters.late_decisions += u64::from(decision.late);
             let (observed, scale) = (step.state.velocity, self.mission.scale);
-            self.plan = Some(Plan::new(decided.action, measured.boot_ms, observed, measured.velocity_mps, scale));
+            self.profile =
+                Some(VelocityProfile::new(decided.action, measured.boot_ms, observed, measured.velocity_mps, scale));
             output.decision = Some(decision);
             step.decided = true;
         }

@@ -1,7 +1,7 @@
 //! The safety gate's inputs from vehicle, swarm and decision.
 
 use super::host_time::HostTime;
-use super::plan::{FeedForward, Plan, thousandths};
+use super::velocity_profile::{FeedForward, VelocityProfile, thousandths};
 use crate::autopilot::{Autopilot, Mode};
 use crate::mission::Mission;
 use firmware_core::gate::{self, Inputs, Measured, Proposal, Request, Vector};
@@ -17,7 +17,7 @@ pub(super) struct GateContext<'a> {
     pub id: u16,
     pub feed_forward: FeedForward,
     /// The flight last decided on.
-    pub plan: Option<&'a Plan>,
+    pub profile: Option<&'a VelocityProfile>,
     /// Vehicle's clock when a neighbour's message was last taken, ms.
     pub swarm_ms: Option<u32>,
     /// The operator's request since the gate was last asked.
@@ -37,10 +37,10 @@ pub(super) fn gate_inputs(autopilot: &mut Autopilot, context: &GateContext<'_>, 
         velocity: Vector::new(thousandths(odometry.velocity_mps[0]), thousandths(odometry.velocity_mps[1])),
         climb_mm_s: thousandths(odometry.velocity_mps[2]),
     });
-    let proposal = context.plan.map(|plan| {
-        let (velocity, acceleration) = plan.at(now_ms, context.feed_forward);
+    let proposal = context.profile.map(|profile| {
+        let (velocity, acceleration) = profile.at(now_ms, context.feed_forward);
         let altitude_mm = context.mission.layers.altitude_mm(context.id);
-        Proposal { decided_ms: plan.decided_ms, velocity, acceleration, altitude_mm }
+        Proposal { decided_ms: profile.decided_ms, velocity, acceleration, altitude_mm }
     });
     Inputs {
         now_ms: vehicle.clock.newest(),

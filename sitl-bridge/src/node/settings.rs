@@ -1,7 +1,7 @@
 //! A node's settings.
 
-use super::plan::FeedForward;
 use super::step_timing::StepTiming;
+use super::velocity_profile::FeedForward;
 use crate::frame::Source;
 use crate::mission::{Mission, PoiMap};
 use crate::signing::LinkSigning;

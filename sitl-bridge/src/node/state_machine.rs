@@ -10,10 +10,10 @@ use super::host_time::HostTime;
 use super::link_monitor::LinkMonitor;
 use super::operator::OperatorCommand;
 use super::output::NodeOutput;
-use super::plan::Plan;
 use super::settings::{Settings, SettingsError};
 use super::status::Status;
 use super::timebase::Timebase;
+use super::velocity_profile::VelocityProfile;
 use crate::autopilot::{Autopilot, Notice, Odometry, Stage, TelemetryUpdate, VehicleState};
 use crate::frame::Frame;
 use crate::messages::{Payload, SetPositionTargetLocalNed, Telemetry, heartbeat};
@@ -157,8 +157,8 @@ impl<'a> Node<'a> {
 
     /// The flight last decided on.
     #[must_use]
-    pub const fn plan(&self) -> Option<&Plan> {
-        self.decisions.plan()
+    pub const fn velocity_profile(&self) -> Option<&VelocityProfile> {
+        self.decisions.velocity_profile()
     }
 
     /// The common clock at the newest telemetry: Unix time, ms.
@@ -319,7 +319,7 @@ impl<'a> Node<'a> {
             mission: &self.settings.mission,
             id: self.settings.id,
             feed_forward: self.settings.feed_forward,
-            plan: self.decisions.plan(),
+            profile: self.decisions.velocity_profile(),
             swarm_ms: self.links.swarm_boot_ms(),
             request: self.gate.take_request(),
         };

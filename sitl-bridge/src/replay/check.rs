@@ -3,7 +3,7 @@
 use crate::frame::Frame;
 use crate::messages::{SetPositionTargetLocalNed, id};
 use crate::mission::Scale;
-use crate::node::{Counters, Decision, FeedForward, Plan};
+use crate::node::{Counters, Decision, FeedForward, VelocityProfile};
 use crate::swarm_link::neighbour_message;
 use firmware_core::action::{ACTIONS, Action};
 use firmware_core::message::{FeatureMessage, Header, Message};
@@ -114,8 +114,8 @@ impl SetpointValues {
         Some((setpoint.boot_ms, Self { velocity, acceleration }))
     }
 
-    fn of(plan: &Plan, boot_ms: u32, feed_forward: FeedForward) -> Self {
-        let (v, a) = plan.at(boot_ms, feed_forward);
+    fn of(profile: &VelocityProfile, boot_ms: u32, feed_forward: FeedForward) -> Self {
+        let (v, a) = profile.at(boot_ms, feed_forward);
         let si = |thousandths: i32| f64::from(thousandths) / 1000.0;
         Self { velocity: [si(v.east), si(v.north)], acceleration: [si(a.east), si(a.north)] }
     }
@@ -140,7 +140,7 @@ impl SetpointValues {
 #[derive(Debug)]
 struct Case {
     decision: Decision,
-    plan: Plan,
+    profile: VelocityProfile,
     recorded: Vec<(u32, SetpointValues)>,
     replayed: Vec<(u32, SetpointValues)>,
 }
@@ -206,11 +206,11 @@ impl ReplayCheck {
     }
 
     /// A decision that is made now. Its own setpoint, sent in the same turn, follows.
-    pub fn decided(&mut self, decision: &Decision, plan: &Plan) {
+    pub fn decided(&mut self, decision: &Decision, profile: &VelocityProfile) {
         self.close();
         self.decided.insert(decision.step, decision.action);
         self.report.decisions += 1;
-        self.case = Some(Case { decision: *decision, plan: *plan, recorded: Vec::new(), replayed: Vec::new() });
+        self.case = Some(Case { decision: *decision, profile: *profile, recorded: Vec::new(), replayed: Vec::new() });
     }
 
     /// The report, after the last record.
@@ -253,7 +253,7 @@ impl ReplayCheck {
         }
         self.report.other_setpoints += other;
         let held = case.recorded.iter().all(|(_, flown)| flown.stands());
-        let (kind, recorded) = if held && case.plan.action != Action::COAST {
+        let (kind, recorded) = if held && case.profile.action != Action::COAST {
             (DifferenceKind::NotFlown, None)
         } else {
             (DifferenceKind::Action, Some(self.nearest(&case)))
@@ -277,9 +277,15 @@ impl ReplayCheck {
         let apart = |index: u8| {
             let action = Action::new(index).unwrap_or(Action::COAST);
             let velocity = case.decision.state.velocity;
-            let plan = Plan::new(action, case.plan.decided_ms, velocity, case.plan.measured_mps(), self.scale);
+            let profile = VelocityProfile::new(
+                action,
+                case.profile.decided_ms,
+                velocity,
+                case.profile.measured_mps(),
+                self.scale,
+            );
             let one =
-                |(at, flown): &(u32, SetpointValues)| SetpointValues::of(&plan, *at, self.feed_forward).apart(flown);
+                |(at, flown): &(u32, SetpointValues)| SetpointValues::of(&profile, *at, self.feed_forward).apart(flown);
             moving().map(one).sum::<f64>()
         };
         let own = case.decision.action;

@@ -105,7 +105,7 @@ impl Session {
     ///
     /// # Errors
     /// See [`SigningError`].
-    pub fn seal(&mut self, link: &LinkSigning, frame: Frame, now: Timestamp) -> Result<Frame, SigningError> {
+    pub fn sign(&mut self, link: &LinkSigning, frame: Frame, now: Timestamp) -> Result<Frame, SigningError> {
         let Some(key) = &link.key else { return Ok(frame) };
         if frame.is_signed() {
             return Err(SigningError::AlreadySigned);
@@ -130,7 +130,7 @@ impl Session {
     /// [`Rejected::Unsigned`], [`Rejected::WrongKey`], [`Rejected::Replayed`] or
     /// [`Rejected::OldTimestamp`]; [`Rejected::UnknownMessage`] when neither a checksum nor a
     /// signature authenticates it.
-    pub fn check(&mut self, link: &LinkSigning, frame: &Frame, now: Timestamp) -> Result<(), Rejected> {
+    pub fn verify(&mut self, link: &LinkSigning, frame: &Frame, now: Timestamp) -> Result<(), Rejected> {
         let sound = if frame.is_checked() { Ok(()) } else { Err(Rejected::UnknownMessage) };
         let Some(key) = &link.key else { return sound };
         let Some(signature) = frame.signature() else {

@@ -70,7 +70,7 @@ impl SwarmLink {
         let bytes = message.encode(&mut buffer);
         let payload = V2Extension::broadcast(MESSAGE_TYPE, bytes);
         let frame = self.encoder.encode_payload(id::V2_EXTENSION, &payload)?;
-        let frame = session.seal(&self.signing, frame, now)?;
+        let frame = session.sign(&self.signing, frame, now)?;
         if self.sent.len() == REMEMBERED {
             self.sent.pop_front();
         }
@@ -108,7 +108,7 @@ impl SwarmLink {
         if ours && self.sent.contains(frame) {
             return Err(Rejected::OwnEcho);
         }
-        session.check(&self.signing, frame, now)?;
+        session.verify(&self.signing, frame, now)?;
         if ours {
             return Err(Rejected::IdCollision);
         }

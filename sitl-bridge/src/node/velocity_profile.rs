@@ -20,7 +20,7 @@ pub enum FeedForward {
 /// The velocity profile of a decision: a ramp from the velocity measured when it was made to the
 /// action's next velocity, with the greatest acceleration of the scenario, then that velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plan {
+pub struct VelocityProfile {
     /// `time_boot_ms` when the decision was made.
     pub decided_ms: u32,
     /// The action that was decided.
@@ -31,7 +31,7 @@ pub struct Plan {
     action_mps2: [f64; 2],
 }
 
-impl Plan {
+impl VelocityProfile {
     /// The profile of `action`. `observed` is the velocity in the observation, ticks/step;
     /// `measured_mps` is the velocity east and north when the decision was made, m/s.
     #[must_use]
@@ -91,8 +91,8 @@ mod tests {
     #[test]
     fn a_full_acceleration_takes_a_step() {
         // 4 u/step² east from rest: 5 m/s after 2 s at 2.5 m/s².
-        let plan = Plan::new(action(0), u32::MAX - 499, Vec2::default(), [0.0, 0.0], SCALE);
-        let at = |ms: u32| plan.at((u32::MAX - 499).wrapping_add(ms), FeedForward::Ramp);
+        let profile = VelocityProfile::new(action(0), u32::MAX - 499, Vec2::default(), [0.0, 0.0], SCALE);
+        let at = |ms: u32| profile.at((u32::MAX - 499).wrapping_add(ms), FeedForward::Ramp);
         assert_eq!(at(0), (Vector::new(0, 0), Vector::new(2500, 0)));
         assert_eq!(at(1000), (Vector::new(2500, 0), Vector::new(2500, 0)));
         assert_eq!(at(2000), (Vector::new(5000, 0), Vector::new(0, 0)));
@@ -102,14 +102,14 @@ mod tests {
     #[test]
     fn the_cap_shortens_the_ramp_but_not_the_action() {
         let east = Vec2::from_u(4.0, 0.0);
-        let plan = Plan::new(action(0), 0, east, [5.0, 0.0], SCALE);
-        assert_eq!(plan.at(200, FeedForward::Ramp), (Vector::new(5000, 0), Vector::new(0, 0)));
-        assert_eq!(plan.at(200, FeedForward::Action), (Vector::new(5000, 0), Vector::new(2500, 0)));
+        let profile = VelocityProfile::new(action(0), 0, east, [5.0, 0.0], SCALE);
+        assert_eq!(profile.at(200, FeedForward::Ramp), (Vector::new(5000, 0), Vector::new(0, 0)));
+        assert_eq!(profile.at(200, FeedForward::Action), (Vector::new(5000, 0), Vector::new(2500, 0)));
     }
 
     #[test]
     fn coasting_keeps_the_velocity_that_was_observed() {
-        let plan = Plan::new(Action::COAST, 0, Vec2::from_u(2.0, -1.0), [2.0, -1.0], SCALE);
-        assert_eq!(plan.at(2000, FeedForward::Ramp).0, Vector::new(2500, -1250));
+        let profile = VelocityProfile::new(Action::COAST, 0, Vec2::from_u(2.0, -1.0), [2.0, -1.0], SCALE);
+        assert_eq!(profile.at(2000, FeedForward::Ramp).0, Vector::new(2500, -1250));
     }
 }
