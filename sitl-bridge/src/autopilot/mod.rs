@@ -26,8 +26,7 @@ mod vehicle_state;
 
 pub(crate) use client::{Autopilot, Clearance};
 pub(crate) use clock::VehicleClock;
-pub use firmware::Firmware;
-pub(crate) use firmware::Mode;
+pub use firmware::{Firmware, Mode, UnsupportedVehicle};
 pub use notice::Notice;
 pub(crate) use odometry::Odometry;
 pub use stage::Stage;
