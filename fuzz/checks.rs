@@ -4,14 +4,14 @@
 use firmware_core::action::ACTIONS;
 use firmware_core::actor::file::{Body, HEADER};
 use firmware_core::actor::{
-    Actor, ActorInput, CellsActor, MAX_FEATURE, NeighbourFeature, QuantisedActor, argmax, sample,
+    Actor, ActorInput, CellsActor, MAX_FEATURE, NeighbourFeature, PolicyId, QuantisedActor, argmax, sample,
 };
 use firmware_core::geometry::Vec2;
 use firmware_core::message::{MAX_LEN, Message};
-use firmware_core::neighbour_table::{Moment, NeighbourTable, PolicyId};
+use firmware_core::neighbour_table::{Moment, NeighbourTable};
 use firmware_core::observation::cells::{Cells, MAX_ACTIVE};
 use firmware_core::observation::{LEN, MAX_NEIGHBOURS, Neighbours};
-use firmware_core::pil::{MAX_REQUEST, Request, Server, Setup, frame_len, seal};
+use firmware_core::pil::{MAX_REQUEST, Request, Server, Setup, encode_frame, frame_len};
 use serde::ser::{Serialize, SerializeTuple, Serializer};
 use std::cell::RefCell;
 
@@ -108,7 +108,7 @@ thread_local!(static BOARD: RefCell<Server<'static>> = RefCell::new({
 fn talk(server: &mut Server<'_>, data: &[u8]) {
     const SETUP: Setup = Setup { id: 3, seed: 1, argmax: false, step_ms: 2000, half_side: 102_400 };
     let mut buffer = [0; frame_len(MAX_REQUEST + 16)];
-    let hello = seal(1, &Request::Hello(SETUP), &mut buffer).unwrap();
+    let hello = encode_frame(1, &Request::Hello(SETUP), &mut buffer).unwrap();
     assert_eq!(answers(server, hello), 1);
     let mut rest = data;
     while let [l0, l1, tail @ ..] = rest {
@@ -120,12 +120,12 @@ fn talk(server: &mut Server<'_>, data: &[u8]) {
             // The fuzzer does find intact frames; one left open would be answered with the next.
             answers(server, &[0]);
         } else if !is_slow(bytes)
-            && let Some(frame) = seal(*l0, &Plain(bytes), &mut buffer)
+            && let Some(frame) = encode_frame(*l0, &Plain(bytes), &mut buffer)
         {
             assert_eq!(answers(server, frame), usize::from(bytes.len() <= MAX_REQUEST - 2));
         }
     }
-    let status = seal(2, &Request::Status, &mut buffer).unwrap();
+    let status = encode_frame(2, &Request::Status, &mut buffer).unwrap();
     assert_eq!(answers(server, status), 1);
 }
 

@@ -15,10 +15,13 @@
 
 pub mod action;
 pub mod actor;
+pub mod agent;
 pub mod gate;
 pub mod geometry;
+pub mod hash;
 pub mod kernel;
 pub mod message;
+pub mod navigation;
 pub mod neighbour_table;
 pub mod observation;
 pub mod pil;

@@ -8,7 +8,7 @@ mod common;
 use common::{cells_actor, tiny_actor};
 use firmware_core::actor::{Actor, Aggregation};
 use firmware_core::geometry::{State, Vec2};
-use firmware_core::message::{Beacon, Feature, Header, MAX_LEN, Message};
+use firmware_core::message::{Beacon, FeatureMessage, Header, MAX_LEN, Message};
 use firmware_core::neighbour_table::Moment;
 use firmware_core::pil::{Hear, MAX_REQUEST, Observe, Request, Setup};
 use rand_xoshiro::Xoshiro128PlusPlus;
@@ -89,7 +89,7 @@ fn beacon(id: u16, sequence: u16, time_ms: u32) -> Vec<u8> {
 
 fn feature(id: u16, actor: u32) -> Vec<u8> {
     let header = Header { id, sequence: 1, step: 3 };
-    message_bytes(&Message::Feature(Feature::new(header, 3, actor, -9, &[100, 7]).unwrap()))
+    message_bytes(&Message::Feature(FeatureMessage::new(header, 3, actor, -9, &[100, 7]).unwrap()))
 }
 
 /// Records of `checks::neighbour_message`.
@@ -115,7 +115,7 @@ fn asked(requests: &[Request<'_>]) -> Vec<u8> {
 fn seeds_are_what_this_code_writes() {
     let tiny = tiny_actor(Aggregation::Gat, 3);
     let hash = Actor::load(&tiny).unwrap().message_hash();
-    let wide = Feature::new(Header::default(), 1, 9, 4, &[-1; 64]).unwrap();
+    let wide = FeatureMessage::new(Header::default(), 1, 9, 4, &[-1; 64]).unwrap();
     let mut crowd: Vec<_> = (1..20).map(|id| beacon(id, 0, 1472 * u32::from(id))).collect();
     crowd.push(feature(19, 0x0101_0101));
     let hear = |message| Request::Hear(Hear { now: NOW, position: [0; 2], message });

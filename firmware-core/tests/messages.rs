@@ -2,7 +2,7 @@
 //! bytes can do harm.
 
 use firmware_core::geometry::{COORDINATE_LIMIT, State, Vec2};
-use firmware_core::message::{Beacon, Feature, Header, MAX_LEN, Message, MessageError};
+use firmware_core::message::{Beacon, FeatureMessage, Header, MAX_LEN, Message, MessageError};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -28,13 +28,13 @@ fn beacon() -> Message {
 
 fn feature() -> Message {
     let header = Header { id: 9, sequence: 1, step: 43 };
-    Message::Feature(Feature::new(header, 1, 0x0123_4567, 0, &[-128, 0, 127]).unwrap())
+    Message::Feature(FeatureMessage::new(header, 1, 0x0123_4567, 0, &[-128, 0, 127]).unwrap())
 }
 
 fn wide_feature() -> Message {
     let values: Vec<i8> = (0..64).map(|i| ((i * 37) % 256 - 128) as i8).collect();
     let header = Header { id: 7, sequence: 513, step: 42 };
-    Message::Feature(Feature::new(header, 5, 0x89ab_cdef, -300, &values).unwrap())
+    Message::Feature(FeatureMessage::new(header, 5, 0x89ab_cdef, -300, &values).unwrap())
 }
 
 #[test]
@@ -89,8 +89,8 @@ fn each_field_out_of_range_has_its_error() {
     assert_eq!(with(FEATURE, 10, 18), Err(MessageError::Degree(18)));
     assert_eq!(with(FEATURE, 17, 0), Err(MessageError::Width(0)));
     assert_eq!(with(FEATURE, 17, 65), Err(MessageError::Width(65)));
-    assert_eq!(Feature::new(Header::default(), 1, 0, 0, &[]), Err(MessageError::Width(0)));
-    assert_eq!(Feature::new(Header::default(), 1, 0, 0, &[0; 300]), Err(MessageError::Width(255)));
+    assert_eq!(FeatureMessage::new(Header::default(), 1, 0, 0, &[]), Err(MessageError::Width(0)));
+    assert_eq!(FeatureMessage::new(Header::default(), 1, 0, 0, &[0; 300]), Err(MessageError::Width(255)));
 }
 
 #[test]
@@ -119,7 +119,7 @@ fn any_message() -> impl Strategy<Value = Message> {
     let beacon = (any_header(), any::<u32>(), vec2.clone(), vec2, any::<i8>())
         .prop_map(|(h, t, position, velocity, tie)| Beacon::new(h, t, State { position, velocity }, tie));
     let feature = (any_header(), 1..=17u8, any::<u32>(), any::<i16>(), vec(any::<i8>(), 1..=64))
-        .prop_map(|(h, degree, actor, scalar, values)| Feature::new(h, degree, actor, scalar, &values).unwrap());
+        .prop_map(|(h, degree, actor, scalar, values)| FeatureMessage::new(h, degree, actor, scalar, &values).unwrap());
     prop_oneof![beacon.prop_map(Message::Beacon), feature.prop_map(Message::Feature)]
 }
 

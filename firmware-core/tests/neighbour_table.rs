@@ -1,9 +1,10 @@
 //! The neighbour table through its public interface: single rules, a plain model with
 //! clocks that do not wrap, and what is promised about a dense swarm and a bad link.
 
+use firmware_core::actor::PolicyId;
 use firmware_core::geometry::{State, TICKS_PER_U, Vec2};
-use firmware_core::message::{Beacon, Feature, Header, Message};
-use firmware_core::neighbour_table::{Answer, DEFAULT_STEP_MS, Moment, NeighbourTable, PolicyId};
+use firmware_core::message::{Beacon, FeatureMessage, Header, Message};
+use firmware_core::neighbour_table::{DEFAULT_STEP_MS, MessageOutcome, Moment, NeighbourTable};
 use firmware_core::observation::{MAX_NEIGHBOURS, Neighbour, Neighbours, Scene, observe};
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -45,7 +46,7 @@ fn feature(id: u16, sequence: u16, step: u32) -> Message {
 }
 
 fn feature_of(id: u16, sequence: u16, step: u32, actor: u32, values: &[i8]) -> Message {
-    Message::Feature(Feature::new(Header { id, sequence, step }, 3, actor, -7, values).unwrap())
+    Message::Feature(FeatureMessage::new(Header { id, sequence, step }, 3, actor, -7, values).unwrap())
 }
 
 fn view(table: &mut NeighbourTable, now: Moment) -> Vec<Neighbour> {
@@ -78,7 +79,7 @@ fn nobody_around_is_an_ordinary_case() {
 fn a_beacon_is_seen_and_extrapolated_until_it_is_two_steps_old() {
     let mut t = table();
     let velocity = u(2.0, -1.0);
-    assert_eq!(t.hear(&beacon(3, 0, 10_000, u(4.0, 3.0), velocity), HERE, at_ms(10_020)), Answer::New);
+    assert_eq!(t.hear(&beacon(3, 0, 10_000, u(4.0, 3.0), velocity), HERE, at_ms(10_020)), MessageOutcome::New);
     let offset_at = |t: &mut NeighbourTable, ms| view(t, at_ms(ms)).first().map(|n| n.offset);
     assert_eq!(offset_at(&mut t, 10_000), Some(u(4.0, 3.0)));
     assert_eq!(offset_at(&mut t, 11_000), Some(u(5.0, 2.5)));
@@ -90,14 +91,14 @@ fn a_beacon_is_seen_and_extrapolated_until_it_is_two_steps_old() {
 #[test]
 fn a_beacon_measured_after_the_moment_is_taken_back_to_it() {
     let mut t = table();
-    assert_eq!(t.hear(&beacon(3, 0, 10_500, u(5.0, 0.0), u(4.0, 0.0)), HERE, at(5)), Answer::New);
+    assert_eq!(t.hear(&beacon(3, 0, 10_500, u(5.0, 0.0), u(4.0, 0.0)), HERE, at(5)), MessageOutcome::New);
     assert_eq!(view(&mut t, at(5))[0].offset, u(4.0, 0.0));
 }
 
 #[test]
 fn out_of_range_is_kept_but_not_seen() {
     let mut t = table();
-    assert_eq!(t.hear(&beacon(3, 0, 10_000, u(20.0, 0.0), u(-4.0, 0.0)), HERE, at(5)), Answer::New);
+    assert_eq!(t.hear(&beacon(3, 0, 10_000, u(20.0, 0.0), u(-4.0, 0.0)), HERE, at(5)), MessageOutcome::New);
     assert!(view(&mut t, at(5)).is_empty());
     assert_eq!(t.len(), 1);
     assert_eq!(view(&mut t, at(6))[0].offset, u(16.0, 0.0));
@@ -106,45 +107,45 @@ fn out_of_range_is_kept_but_not_seen() {
 #[test]
 fn an_unbelievable_velocity_is_cut() {
     let mut t = table();
-    assert_eq!(t.hear(&beacon(3, 0, 10_000, u(1.0, 0.0), u(31.0, -31.0)), HERE, at(5)), Answer::New);
+    assert_eq!(t.hear(&beacon(3, 0, 10_000, u(1.0, 0.0), u(31.0, -31.0)), HERE, at(5)), MessageOutcome::New);
     assert_eq!(view(&mut t, at(6))[0].offset, u(7.0, -6.0));
 }
 
 #[test]
 fn own_repeated_and_older_messages_are_dropped() {
     let mut t = table();
-    assert_eq!(t.hear(&still(OWN, 1, 0, u(1.0, 0.0)), HERE, at(0)), Answer::OwnId);
-    assert_eq!(t.hear(&still(3, 65_535, 0, u(1.0, 0.0)), HERE, at(0)), Answer::New);
-    assert_eq!(t.hear(&still(3, 65_535, 0, u(2.0, 0.0)), HERE, at(0)), Answer::Repeated);
-    assert_eq!(t.hear(&still(3, 65_534, 0, u(2.0, 0.0)), HERE, at(0)), Answer::Older);
+    assert_eq!(t.hear(&still(OWN, 1, 0, u(1.0, 0.0)), HERE, at(0)), MessageOutcome::OwnId);
+    assert_eq!(t.hear(&still(3, 65_535, 0, u(1.0, 0.0)), HERE, at(0)), MessageOutcome::New);
+    assert_eq!(t.hear(&still(3, 65_535, 0, u(2.0, 0.0)), HERE, at(0)), MessageOutcome::Repeated);
+    assert_eq!(t.hear(&still(3, 65_534, 0, u(2.0, 0.0)), HERE, at(0)), MessageOutcome::Older);
     // The counter wraps around.
-    assert_eq!(t.hear(&still(3, 0, 0, u(3.0, 0.0)), HERE, at(0)), Answer::Updated);
+    assert_eq!(t.hear(&still(3, 0, 0, u(3.0, 0.0)), HERE, at(0)), MessageOutcome::Updated);
     assert_eq!(view(&mut t, at(0))[0].offset, u(3.0, 0.0));
 }
 
 #[test]
 fn a_restarted_sender_is_heard_again_once_it_was_forgotten() {
     let mut t = table();
-    assert_eq!(t.hear(&still(3, 900, 0, u(1.0, 0.0)), HERE, at_ms(0)), Answer::New);
-    assert_eq!(t.hear(&still(3, 0, 4000, u(1.0, 0.0)), HERE, at_ms(4000)), Answer::Older);
-    assert_eq!(t.hear(&still(3, 1, 4001, u(1.0, 0.0)), HERE, at_ms(4001)), Answer::New);
+    assert_eq!(t.hear(&still(3, 900, 0, u(1.0, 0.0)), HERE, at_ms(0)), MessageOutcome::New);
+    assert_eq!(t.hear(&still(3, 0, 4000, u(1.0, 0.0)), HERE, at_ms(4000)), MessageOutcome::Older);
+    assert_eq!(t.hear(&still(3, 1, 4001, u(1.0, 0.0)), HERE, at_ms(4001)), MessageOutcome::New);
 }
 
 #[test]
 fn late_and_future_beacons_are_dropped() {
     let mut t = table();
     let now = at_ms(20_000);
-    assert_eq!(t.hear(&still(3, 0, 15_999, u(1.0, 0.0)), HERE, now), Answer::Late);
-    assert_eq!(t.hear(&still(3, 0, 22_001, u(1.0, 0.0)), HERE, now), Answer::Ahead);
-    assert_eq!(t.hear(&still(3, 0, 16_000, u(1.0, 0.0)), HERE, now), Answer::New);
-    assert_eq!(t.hear(&still(4, 0, 22_000, u(1.0, 0.0)), HERE, now), Answer::New);
+    assert_eq!(t.hear(&still(3, 0, 15_999, u(1.0, 0.0)), HERE, now), MessageOutcome::Late);
+    assert_eq!(t.hear(&still(3, 0, 22_001, u(1.0, 0.0)), HERE, now), MessageOutcome::Ahead);
+    assert_eq!(t.hear(&still(3, 0, 16_000, u(1.0, 0.0)), HERE, now), MessageOutcome::New);
+    assert_eq!(t.hear(&still(4, 0, 22_000, u(1.0, 0.0)), HERE, now), MessageOutcome::New);
 }
 
 #[test]
 fn the_clock_wraps_around() {
     let mut t = table();
     let before = u32::MAX - 999;
-    assert_eq!(t.hear(&beacon(3, 0, before, u(1.0, 0.0), u(4.0, 0.0)), HERE, at_ms(before)), Answer::New);
+    assert_eq!(t.hear(&beacon(3, 0, before, u(1.0, 0.0), u(4.0, 0.0)), HERE, at_ms(before)), MessageOutcome::New);
     let after = Moment { step: 0, time_ms: 1000 };
     assert_eq!(view(&mut t, after)[0].offset, u(5.0, 0.0));
     assert!(view(&mut t, Moment { step: 0, time_ms: 3001 }).is_empty());
@@ -153,54 +154,54 @@ fn the_clock_wraps_around() {
 #[test]
 fn a_clock_that_jumps_back_leaves_no_ghosts() {
     let mut t = table();
-    assert_eq!(t.hear(&still(3, 0, 500_000, u(1.0, 0.0)), HERE, at_ms(500_000)), Answer::New);
-    assert_eq!(t.hear(&still(4, 0, 500_000, u(2.0, 0.0)), HERE, at_ms(500_000)), Answer::New);
+    assert_eq!(t.hear(&still(3, 0, 500_000, u(1.0, 0.0)), HERE, at_ms(500_000)), MessageOutcome::New);
+    assert_eq!(t.hear(&still(4, 0, 500_000, u(2.0, 0.0)), HERE, at_ms(500_000)), MessageOutcome::New);
     // A small correction keeps them, for as long as a fresh beacon and one step more.
     assert_eq!(view(&mut t, at_ms(498_500)).len(), 2);
     assert!(view(&mut t, at_ms(100_000)).is_empty());
     assert!(t.is_empty());
-    assert_eq!(t.hear(&still(3, 1, 100_000, u(1.0, 0.0)), HERE, at_ms(100_000)), Answer::New);
+    assert_eq!(t.hear(&still(3, 1, 100_000, u(1.0, 0.0)), HERE, at_ms(100_000)), MessageOutcome::New);
 }
 
 #[test]
 fn a_jump_waits_for_a_second_beacon() {
     let mut t = table();
     let now = at_ms(2000);
-    assert_eq!(t.hear(&still(3, 0, 0, u(0.0, 0.0)), HERE, at_ms(0)), Answer::New);
+    assert_eq!(t.hear(&still(3, 0, 0, u(0.0, 0.0)), HERE, at_ms(0)), MessageOutcome::New);
     // 6 u/step and 2 u of noise are believed, no more.
-    assert_eq!(t.hear(&still(3, 1, 2000, u(8.1, 0.0)), HERE, now), Answer::Suspicious);
+    assert_eq!(t.hear(&still(3, 1, 2000, u(8.1, 0.0)), HERE, now), MessageOutcome::Suspicious);
     assert_eq!(view(&mut t, now)[0].offset, Vec2::default());
     // Not by itself ...
-    assert_eq!(t.hear(&still(3, 1, 2000, u(8.1, 0.0)), HERE, now), Answer::Repeated);
+    assert_eq!(t.hear(&still(3, 1, 2000, u(8.1, 0.0)), HERE, now), MessageOutcome::Repeated);
     // ... nor by yet another jump, but by a beacon that agrees.
-    assert_eq!(t.hear(&still(3, 2, 2100, u(0.0, 12.0)), HERE, at_ms(2100)), Answer::Suspicious);
-    assert_eq!(t.hear(&still(3, 4, 2200, u(0.0, 11.0)), HERE, at_ms(2200)), Answer::Confirmed);
+    assert_eq!(t.hear(&still(3, 2, 2100, u(0.0, 12.0)), HERE, at_ms(2100)), MessageOutcome::Suspicious);
+    assert_eq!(t.hear(&still(3, 4, 2200, u(0.0, 11.0)), HERE, at_ms(2200)), MessageOutcome::Confirmed);
     assert_eq!(view(&mut t, at_ms(2200))[0].offset, u(0.0, 11.0));
-    assert_eq!(t.hear(&still(3, 3, 2150, u(0.0, 11.0)), HERE, at_ms(2200)), Answer::Older);
+    assert_eq!(t.hear(&still(3, 3, 2150, u(0.0, 11.0)), HERE, at_ms(2200)), MessageOutcome::Older);
 }
 
 #[test]
 fn one_wild_beacon_changes_nothing() {
     let mut t = table();
-    assert_eq!(t.hear(&still(3, 0, 0, u(1.0, 0.0)), HERE, at_ms(0)), Answer::New);
-    assert_eq!(t.hear(&still(3, 30_000, 100, u(17.0, 0.0)), HERE, at_ms(100)), Answer::Suspicious);
-    assert_eq!(t.hear(&still(3, 1, 200, u(1.1, 0.0)), HERE, at_ms(200)), Answer::Updated);
-    assert_eq!(t.hear(&still(3, 2, 300, u(1.2, 0.0)), HERE, at_ms(300)), Answer::Updated);
+    assert_eq!(t.hear(&still(3, 0, 0, u(1.0, 0.0)), HERE, at_ms(0)), MessageOutcome::New);
+    assert_eq!(t.hear(&still(3, 30_000, 100, u(17.0, 0.0)), HERE, at_ms(100)), MessageOutcome::Suspicious);
+    assert_eq!(t.hear(&still(3, 1, 200, u(1.1, 0.0)), HERE, at_ms(200)), MessageOutcome::Updated);
+    assert_eq!(t.hear(&still(3, 2, 300, u(1.2, 0.0)), HERE, at_ms(300)), MessageOutcome::Updated);
     assert_eq!(view(&mut t, at_ms(300))[0].offset, u(1.2, 0.0));
 }
 
 #[test]
 fn features_need_a_beacon_the_same_policy_and_its_width() {
     let mut t = table();
-    assert_eq!(t.hear(&feature(3, 0, 5), HERE, at(5)), Answer::UnknownSender);
-    assert_eq!(t.hear(&still(3, 0, 10_000, u(1.0, 0.0)), HERE, at(5)), Answer::New);
+    assert_eq!(t.hear(&feature(3, 0, 5), HERE, at(5)), MessageOutcome::UnknownSender);
+    assert_eq!(t.hear(&still(3, 0, 10_000, u(1.0, 0.0)), HERE, at(5)), MessageOutcome::New);
     assert!(features(&mut t, at(5)).is_empty());
     let foreign = feature_of(3, 0, 5, POLICY.hash + 1, &[1; 4]);
-    assert_eq!(t.hear(&foreign, HERE, at(5)), Answer::ForeignActor);
+    assert_eq!(t.hear(&foreign, HERE, at(5)), MessageOutcome::ForeignActor);
     let narrow = feature_of(3, 0, 5, POLICY.hash, &[1; 3]);
-    assert_eq!(t.hear(&narrow, HERE, at(5)), Answer::WrongWidth);
-    assert_eq!(t.hear(&feature(OWN, 0, 5), HERE, at(5)), Answer::OwnId);
-    assert_eq!(t.hear(&feature(3, 0, 5), HERE, at(5)), Answer::Updated);
+    assert_eq!(t.hear(&narrow, HERE, at(5)), MessageOutcome::WrongWidth);
+    assert_eq!(t.hear(&feature(OWN, 0, 5), HERE, at(5)), MessageOutcome::OwnId);
+    assert_eq!(t.hear(&feature(3, 0, 5), HERE, at(5)), MessageOutcome::Updated);
     let mut seen = Neighbours::new();
     t.view(HERE, at(5), &mut seen);
     let all: Vec<_> = t.features(&seen, 5).collect();
@@ -216,16 +217,16 @@ fn a_feature_is_used_until_it_is_two_steps_old() {
         let sequence = step as u16;
         assert!(t.hear(&still(3, sequence, step * STEP_MS, u(1.0, 0.0)), HERE, at(step)).is_taken());
     }
-    assert_eq!(t.hear(&feature(3, 1, 4), HERE, at(7)), Answer::Late);
-    assert_eq!(t.hear(&feature(3, 1, 9), HERE, at(7)), Answer::Ahead);
-    assert_eq!(t.hear(&feature(3, 1, 5), HERE, at(7)), Answer::Updated);
-    assert_eq!(t.hear(&feature(3, 1, 6), HERE, at(7)), Answer::Repeated);
-    assert_eq!(t.hear(&feature(3, 0, 6), HERE, at(7)), Answer::Older);
+    assert_eq!(t.hear(&feature(3, 1, 4), HERE, at(7)), MessageOutcome::Late);
+    assert_eq!(t.hear(&feature(3, 1, 9), HERE, at(7)), MessageOutcome::Ahead);
+    assert_eq!(t.hear(&feature(3, 1, 5), HERE, at(7)), MessageOutcome::Updated);
+    assert_eq!(t.hear(&feature(3, 1, 6), HERE, at(7)), MessageOutcome::Repeated);
+    assert_eq!(t.hear(&feature(3, 0, 6), HERE, at(7)), MessageOutcome::Older);
     assert_eq!(features(&mut t, at(7)), [(3, 1)]);
     // The neighbour stays, its feature is gone; then a new one counts, whatever its number.
     assert_eq!(features(&mut t, at(8)), []);
     assert_eq!(view(&mut t, at(8)).len(), 1);
-    assert_eq!(t.hear(&feature(3, 0, 8), HERE, at(8)), Answer::Updated);
+    assert_eq!(t.hear(&feature(3, 0, 8), HERE, at(8)), MessageOutcome::Updated);
     assert_eq!(features(&mut t, at(8)), [(3, 0)]);
 }
 
@@ -233,11 +234,11 @@ fn a_feature_is_used_until_it_is_two_steps_old() {
 fn a_full_table_keeps_the_nearest() {
     let mut t = table();
     for id in 1..=16 {
-        assert_eq!(t.hear(&still(id, 0, 0, u(f32::from(id), 0.0)), HERE, at(0)), Answer::New);
+        assert_eq!(t.hear(&still(id, 0, 0, u(f32::from(id), 0.0)), HERE, at(0)), MessageOutcome::New);
     }
-    assert_eq!(t.hear(&still(17, 0, 0, u(17.0, 0.0)), HERE, at(0)), Answer::TooFar);
-    assert_eq!(t.hear(&still(18, 0, 0, u(15.5, 0.0)), HERE, at(0)), Answer::Replaced(16));
-    assert_eq!(t.hear(&feature(16, 0, 0), HERE, at(0)), Answer::UnknownSender);
+    assert_eq!(t.hear(&still(17, 0, 0, u(17.0, 0.0)), HERE, at(0)), MessageOutcome::TooFar);
+    assert_eq!(t.hear(&still(18, 0, 0, u(15.5, 0.0)), HERE, at(0)), MessageOutcome::Replaced(16));
+    assert_eq!(t.hear(&feature(16, 0, 0), HERE, at(0)), MessageOutcome::UnknownSender);
     assert_eq!(view(&mut t, at(0)).last().map(|n| n.id), Some(18));
 }
 
@@ -268,49 +269,49 @@ impl Model {
         }
     }
 
-    fn hear_beacon(&mut self, id: u16, fix: (Vec2, Vec2, i64, i64), now: i64) -> Answer {
+    fn hear_beacon(&mut self, id: u16, fix: (Vec2, Vec2, i64, i64), now: i64) -> MessageOutcome {
         match now - fix.2 {
-            _ if id == OWN => return Answer::OwnId,
-            ..-2000 => return Answer::Ahead,
-            4001.. => return Answer::Late,
+            _ if id == OWN => return MessageOutcome::OwnId,
+            ..-2000 => return MessageOutcome::Ahead,
+            4001.. => return MessageOutcome::Late,
             _ => {}
         }
         let Some(k) = self.0.get_mut(&id) else {
             self.0.insert(id, Known { fix, doubt: None, feature: None });
-            return Answer::New;
+            return MessageOutcome::New;
         };
         if fix.3 == k.fix.3 || fix.3 > k.fix.3 && k.doubt.is_some_and(|d| d.2 == fix.3) {
-            return Answer::Repeated;
+            return MessageOutcome::Repeated;
         } else if fix.3 < k.fix.3 {
-            return Answer::Older;
+            return MessageOutcome::Older;
         }
         let overtaken = k.doubt.is_some_and(|d| fix.3 < d.2);
         if flyable(k.fix.0, fix.0, k.fix.2 - fix.2) {
             (k.fix, k.doubt) = (fix, None);
-            Answer::Updated
+            MessageOutcome::Updated
         } else if !overtaken && k.doubt.is_some_and(|d| flyable(d.0, fix.0, d.1 - fix.2)) {
             (k.fix, k.doubt) = (fix, None);
-            Answer::Confirmed
+            MessageOutcome::Confirmed
         } else {
             k.doubt = if overtaken { k.doubt } else { Some((fix.0, fix.2, fix.3)) };
-            Answer::Suspicious
+            MessageOutcome::Suspicious
         }
     }
 
-    fn hear_feature(&mut self, id: u16, step: i64, sequence: i64, now: i64) -> Answer {
+    fn hear_feature(&mut self, id: u16, step: i64, sequence: i64, now: i64) -> MessageOutcome {
         match now - step {
-            _ if id == OWN => return Answer::OwnId,
-            ..-1 => return Answer::Ahead,
-            3.. => return Answer::Late,
+            _ if id == OWN => return MessageOutcome::OwnId,
+            ..-1 => return MessageOutcome::Ahead,
+            3.. => return MessageOutcome::Late,
             _ => {}
         }
-        let Some(k) = self.0.get_mut(&id) else { return Answer::UnknownSender };
+        let Some(k) = self.0.get_mut(&id) else { return MessageOutcome::UnknownSender };
         match k.feature {
-            Some(f) if f.1 == sequence => Answer::Repeated,
-            Some(f) if f.1 > sequence => Answer::Older,
+            Some(f) if f.1 == sequence => MessageOutcome::Repeated,
+            Some(f) if f.1 > sequence => MessageOutcome::Older,
             _ => {
                 k.feature = Some((step, sequence));
-                Answer::Updated
+                MessageOutcome::Updated
             }
         }
     }
@@ -395,7 +396,7 @@ proptest! {
             id, offset: Vec2 { x, y }, velocity: Vec2::default(), tie: 5,
         }).collect();
         let mut direct = Neighbours::new();
-        all.iter().for_each(|&n| direct.offer(n));
+        all.iter().for_each(|&n| direct.insert(n));
         all.sort_by_key(|n| u64::from(n.id).wrapping_mul(order | 1));
         let mut t = table();
         for n in &all {
@@ -430,7 +431,7 @@ proptest! {
                     let tie = firmware_core::random::tie_breaker(1, header.id, step, 1);
                     let message = Message::Beacon(Beacon::new(header, step * STEP_MS, states[i], tie));
                     let answer = t.hear(&message, states[0].position, at(step));
-                    prop_assert!(answer.is_taken() || answer == Answer::TooFar, "{:?}", answer);
+                    prop_assert!(answer.is_taken() || answer == MessageOutcome::TooFar, "{:?}", answer);
                 }
             }
             if last {
@@ -448,7 +449,7 @@ proptest! {
         let mut direct = Neighbours::new();
         for (i, s) in states.iter().enumerate().skip(1) {
             let offset = s.position - states[0].position;
-            direct.offer(Neighbour { id: i as u16, offset, velocity: s.velocity, tie: tie(i) });
+            direct.insert(Neighbour { id: i as u16, offset, velocity: s.velocity, tie: tie(i) });
         }
         let mut heard = Neighbours::new();
         t.view(states[0].position, at(step), &mut heard);

@@ -4,10 +4,10 @@ mod common;
 
 use common::sample_actor;
 use firmware_core::actor::{Actor, Aggregation, LoadError, fingerprint};
-use firmware_core::neighbour_table::{Answer, Moment};
+use firmware_core::neighbour_table::{MessageOutcome, Moment};
 use firmware_core::pil::{
-    Decided, Deframer, Fault, FrameError, Hear, MAX_CASES, MAX_POIS, MAX_REPLY, MAX_REQUEST, Observe, Observed,
-    Refusal, Reply, Report, Request, Server, Setup, Status, VERSION, frame_len, seal, unseal,
+    ActorError, Decided, Deframer, FrameError, Hear, MAX_CASES, MAX_POIS, MAX_REPLY, MAX_REQUEST, Observe, Observed,
+    Reply, Report, Request, RequestError, Server, Setup, Status, VERSION, decode_frame, encode_frame, frame_len,
 };
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -24,7 +24,7 @@ fn bytes(hex: &str) -> Vec<u8> {
 }
 
 fn sealed(tag: u8, request: &Request<'_>) -> Vec<u8> {
-    seal(tag, request, &mut [0; frame_len(MAX_REQUEST)]).unwrap().to_vec()
+    encode_frame(tag, request, &mut [0; frame_len(MAX_REQUEST)]).unwrap().to_vec()
 }
 
 /// What comes out of a stream: contents of intact frames, and errors.
@@ -63,7 +63,7 @@ fn feed(server: &mut Server<'_>, stream: &[u8]) -> Vec<(u8, Vec<u8>)> {
     for &byte in stream {
         if let Some(answer) = server.push(byte) {
             let content = found(answer).pop().unwrap().unwrap();
-            let (tag, record) = unseal(&content).unwrap();
+            let (tag, record) = decode_frame(&content).unwrap();
             answers.push((tag, record.to_vec()));
         }
     }
@@ -77,7 +77,7 @@ fn ask<T>(server: &mut Server<'_>, tag: u8, request: &Request<'_>, look: impl Fn
     look(postcard::from_bytes(&answers[0].1).unwrap())
 }
 
-fn refused(server: &mut Server<'_>, request: &Request<'_>) -> Option<Refusal> {
+fn refused(server: &mut Server<'_>, request: &Request<'_>) -> Option<RequestError> {
     ask(server, 9, request, |r| if let Reply::Refused(why) = r { Some(why) } else { None })
 }
 
@@ -105,7 +105,7 @@ fn the_longest_records_fit() {
     let now = Moment { step: u32::MAX, time_ms: u32::MAX };
     let observe = Observe { now, position: [i32::MIN; 2], velocity: [i32::MIN; 2], pois: &pois };
     let mut long = [0; frame_len(MAX_REQUEST)];
-    assert!(seal(1, &Request::Observe(observe), &mut long).unwrap().len() <= frame_len(MAX_REQUEST));
+    assert!(encode_frame(1, &Request::Observe(observe), &mut long).unwrap().len() <= frame_len(MAX_REQUEST));
     let mut short = [0; frame_len(MAX_REPLY)];
     let counters = firmware_core::pil::Counters {
         done: u32::MAX,
@@ -121,7 +121,7 @@ fn the_longest_records_fit() {
         Reply::Decided(Decided { step: u32::MAX, action: 16, features: 16, logits: [i16::MIN; 17] }),
         Reply::Status(Status { started: true, observed: Some(u32::MAX), kept: 16, decisions: u32::MAX, counters }),
     ] {
-        assert!(seal(255, &reply, &mut short).is_some());
+        assert!(encode_frame(255, &reply, &mut short).is_some());
     }
 }
 
@@ -137,54 +137,57 @@ fn each_bad_frame_has_its_error() {
     let mut damaged = good.clone();
     damaged[3] ^= 0x40;
     assert_eq!(found(&damaged), [Err(FrameError::Checksum)]);
-    assert_eq!(unseal(&[VERSION]), Err(FrameError::TooShort));
-    assert_eq!(unseal(&[VERSION + 1, 4, 9]), Err(FrameError::Version(VERSION + 1)));
+    assert_eq!(decode_frame(&[VERSION]), Err(FrameError::TooShort));
+    assert_eq!(decode_frame(&[VERSION + 1, 4, 9]), Err(FrameError::Version(VERSION + 1)));
 }
 
 #[test]
 fn a_board_without_a_sound_actor_says_so_and_flies_nothing() {
     let mut server = Server::new();
-    assert_eq!(refused(&mut server, &Request::Sign { from: 0, cases: 1 }), Some(Refusal::Fault(Fault::NotLoaded)));
+    assert_eq!(
+        refused(&mut server, &Request::Sign { from: 0, cases: 1 }),
+        Some(RequestError::Actor(ActorError::NotLoaded))
+    );
     let mut damaged = ACTOR.clone();
     damaged[100] ^= 1;
     assert!(matches!(Actor::load(&damaged), Err(LoadError::Checksum { .. })));
     let report = found(server.boot(&damaged)).pop().unwrap().unwrap();
-    let (tag, record) = unseal(&report).unwrap();
+    let (tag, record) = decode_frame(&report).unwrap();
     let report: Reply<'_> = postcard::from_bytes(record).unwrap();
-    let expected = Report { software: env!("CARGO_PKG_VERSION"), actor: Err(Fault::Checksum) };
+    let expected = Report { software: env!("CARGO_PKG_VERSION"), actor: Err(ActorError::Checksum) };
     assert_eq!((tag, report), (0, Reply::Report(expected)));
     assert!(!server.is_sound());
     ask(&mut server, 1, &Request::Hello(SETUP), |r| assert_eq!(r, Reply::Report(expected)));
-    assert_eq!(refused(&mut server, &observe(0, &[])), Some(Refusal::Fault(Fault::Checksum)));
-    assert_eq!(refused(&mut server, &Request::Decide { step: 0 }), Some(Refusal::Fault(Fault::Checksum)));
+    assert_eq!(refused(&mut server, &observe(0, &[])), Some(RequestError::Actor(ActorError::Checksum)));
+    assert_eq!(refused(&mut server, &Request::Decide { step: 0 }), Some(RequestError::Actor(ActorError::Checksum)));
 }
 
 #[test]
 fn nothing_is_flown_before_hello_nor_decided_before_observed() {
     let mut server = booted();
-    assert_eq!(refused(&mut server, &observe(0, &[])), Some(Refusal::NotStarted));
+    assert_eq!(refused(&mut server, &observe(0, &[])), Some(RequestError::NotStarted));
     let mut server = started();
-    assert_eq!(refused(&mut server, &Request::Decide { step: 0 }), Some(Refusal::NotObserved));
+    assert_eq!(refused(&mut server, &Request::Decide { step: 0 }), Some(RequestError::NotObserved));
     assert_eq!(refused(&mut server, &observe(4, &[])), None);
-    assert_eq!(refused(&mut server, &Request::Decide { step: 5 }), Some(Refusal::NotObserved));
+    assert_eq!(refused(&mut server, &Request::Decide { step: 5 }), Some(RequestError::NotObserved));
     assert_eq!(refused(&mut server, &Request::Decide { step: 4 }), None);
     // Hello starts afresh.
     assert_eq!(refused(&mut server, &Request::Hello(SETUP)), None);
-    assert_eq!(refused(&mut server, &Request::Decide { step: 4 }), Some(Refusal::NotObserved));
+    assert_eq!(refused(&mut server, &Request::Decide { step: 4 }), Some(RequestError::NotObserved));
 }
 
 #[test]
 fn what_makes_no_sense_is_refused() {
     let mut server = started();
     let hear = |message| Request::Hear(Hear { now: Moment::default(), position: [0; 2], message });
-    assert_eq!(refused(&mut server, &hear(&[1, 2, 3])), Some(Refusal::Message));
-    assert_eq!(refused(&mut server, &observe(0, &[1, 2, 3])), Some(Refusal::Pois));
-    assert_eq!(refused(&mut server, &observe(0, &[0; (MAX_POIS + 1) * 4])), Some(Refusal::Pois));
+    assert_eq!(refused(&mut server, &hear(&[1, 2, 3])), Some(RequestError::Message));
+    assert_eq!(refused(&mut server, &observe(0, &[1, 2, 3])), Some(RequestError::Pois));
+    assert_eq!(refused(&mut server, &observe(0, &[0; (MAX_POIS + 1) * 4])), Some(RequestError::Pois));
     for (content, why) in [
-        (&[VERSION, 5, 200][..], Refusal::Unreadable),
-        (&[VERSION, 5, 4, 4], Refusal::Unreadable),
-        (&[VERSION, 5], Refusal::Unreadable),
-        (&[VERSION + 1, 5, 4], Refusal::Version(VERSION)),
+        (&[VERSION, 5, 200][..], RequestError::Unreadable),
+        (&[VERSION, 5, 4, 4], RequestError::Unreadable),
+        (&[VERSION, 5], RequestError::Unreadable),
+        (&[VERSION + 1, 5, 4], RequestError::Version(VERSION)),
     ] {
         let answers = feed(&mut server, &foreign_frame(content));
         let reply: Reply<'_> = postcard::from_bytes(&answers[0].1).unwrap();
@@ -240,7 +243,7 @@ proptest! {
     fn records_survive_the_line(tag: u8, record in vec(prop_oneof![Just(0u8), any::<u8>()], 0..500)) {
         // A record of bytes is its length and the bytes.
         let mut out = [0; frame_len(600)];
-        let frame = seal(tag, &record, &mut out).unwrap();
+        let frame = encode_frame(tag, &record, &mut out).unwrap();
         let inside = &frame[1..frame.len() - 1];
         prop_assert!(frame[0] == 0 && frame[frame.len() - 1] == 0 && !inside.contains(&0));
         let content = [&[VERSION, tag][..], &postcard::to_stdvec(&record).unwrap()].concat();
@@ -256,7 +259,7 @@ proptest! {
     fn long_runs_survive_the_line(runs in vec((0..600usize, 0..3usize), 0..4)) {
         let record: Vec<u8> = runs.iter().flat_map(|&(n, zeros)| [vec![7; n], vec![0; zeros]].concat()).take(590).collect();
         let mut out = [0; frame_len(600)];
-        let frame = seal(1, &record, &mut out).unwrap();
+        let frame = encode_frame(1, &record, &mut out).unwrap();
         let content = [&[VERSION, 1][..], &postcard::to_stdvec(&record).unwrap()].concat();
         prop_assert_eq!(found(frame), [Ok(content.clone())]);
         prop_assert_eq!(found(&foreign_frame(&content)), [Ok(content)]);
@@ -265,8 +268,8 @@ proptest! {
     #[test]
     fn a_frame_too_long_for_its_buffer_is_none(record in vec(any::<u8>(), 0..200), room in 0..250usize) {
         let mut out = vec![0; room];
-        let fits = seal(1, &record, &mut out).map(<[u8]>::len);
-        let whole = seal(1, &record, &mut [0; 300]).unwrap().len();
+        let fits = encode_frame(1, &record, &mut out).map(<[u8]>::len);
+        let whole = encode_frame(1, &record, &mut [0; 300]).unwrap().len();
         prop_assert_eq!(fits, (whole <= room).then_some(whole));
     }
 
@@ -312,8 +315,8 @@ proptest! {
         let mut server = started();
         let request = Request::Hear(Hear { now: Moment { step, time_ms }, position, message: &message });
         ask(&mut server, 1, &request, |r| match r {
-            Reply::Heard { kept: 0, answer: Answer::Late | Answer::Ahead | Answer::UnknownSender | Answer::ForeignActor | Answer::OwnId } => {}
-            Reply::Heard { kept: 1, answer: Answer::New } | Reply::Refused(Refusal::Message) => {}
+            Reply::Heard { kept: 0, outcome: MessageOutcome::Late | MessageOutcome::Ahead | MessageOutcome::UnknownSender | MessageOutcome::ForeignActor | MessageOutcome::OwnId } => {}
+            Reply::Heard { kept: 1, outcome: MessageOutcome::New } | Reply::Refused(RequestError::Message) => {}
             other => panic!("{other:?}"),
         });
     }

@@ -14,7 +14,7 @@ use covey_pil::{Client, Observed, PilError, Turn};
 use firmware_core::action::Action;
 use firmware_core::actor::{Actor, Aggregation, Logits, Mode};
 use firmware_core::geometry::{COMMUNICATION_RANGE_U, OBSERVATION_RANGE_U, State, Vec2};
-use firmware_core::message::{Beacon, Feature, Header, MAX_LEN, Message};
+use firmware_core::message::{Beacon, FeatureMessage, Header, MAX_LEN, Message};
 use firmware_core::neighbour_table::{DEFAULT_STEP_MS, Moment};
 use firmware_core::pil::{Decided, Setup};
 use std::fmt;
@@ -119,7 +119,7 @@ struct Scene {
     /// Neighbours whose features count, one number a UAV.
     counting: Vec<u8>,
     /// None when the policy broadcasts none.
-    features: Vec<Option<Feature>>,
+    features: Vec<Option<FeatureMessage>>,
 }
 
 impl Scene {
@@ -128,7 +128,8 @@ impl Scene {
         let ids = 0..world.scenario().uavs;
         let links = policy.links();
         let graph = actor.aggregation() != Aggregation::None;
-        let feature = |i: usize| Feature::of(header(i, step), links[i].count + 1, actor, &policy.features()[i]);
+        let feature =
+            |i: usize| FeatureMessage::from_actor(header(i, step), links[i].count + 1, actor, &policy.features()[i]);
         Self {
             now: Moment { step, time_ms: step.wrapping_mul(u32::from(DEFAULT_STEP_MS)) },
             seed,

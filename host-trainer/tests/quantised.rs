@@ -5,7 +5,7 @@ use firmware_core::actor::{
     Actor, Aggregation, CellsActor, Feature, LoadError, Logits, NeighbourFeature, Provenance, QuantisedActor, argmax,
 };
 use firmware_core::observation::cells::Cells;
-use firmware_core::observation::{Form, Observation};
+use firmware_core::observation::{BuildObservation, Observation};
 use host_trainer::float_actor::FloatActor;
 use host_trainer::quantise::{Situation, agreement, calibrate, quantise};
 use host_trainer::settings::{Graph, Settings};
@@ -137,10 +137,10 @@ fn an_actor_of_another_form_is_refused() {
     };
     let (compact, cells) = (file(ObservationForm::Compact), file(ObservationForm::Cells));
     let refused = Actor::load(&cells).expect_err("another form");
-    assert_eq!(refused, LoadError::Observation { found: Cells::ID, built: <Observation as Form>::ID });
+    assert_eq!(refused, LoadError::Observation { found: Cells::ID, built: <Observation as BuildObservation>::ID });
     assert!(refused.to_string().contains("wants observation form 100, this program builds form 2"), "{refused}");
     let refused = CellsActor::load(&compact).expect_err("another form");
-    assert_eq!(refused, LoadError::Observation { found: <Observation as Form>::ID, built: Cells::ID });
+    assert_eq!(refused, LoadError::Observation { found: <Observation as BuildObservation>::ID, built: Cells::ID });
     assert!(CellsActor::load(&cells).is_ok_and(|actor| actor.self_test().is_ok()));
     for k in (0..cells.len()).step_by(97) {
         let mut damaged = cells.clone();

@@ -14,7 +14,7 @@ use firmware_core::gate::Limits;
 use serde_json::{Value, json};
 use sitl_bridge::mission::{Layers, Mission, Origin};
 use sitl_bridge::node::Counters;
-use sitl_bridge::node::run::Report;
+use sitl_bridge::node::run::NodeEvent;
 use std::collections::BTreeMap;
 use std::fs;
 use std::process::ExitCode;
@@ -119,19 +119,19 @@ fn plan(uavs: u16, start_ms: i64, length_ms: i64) -> Plan {
 }
 
 impl Account {
-    fn take(&mut self, (id, report): (usize, Report)) {
+    fn take(&mut self, (id, report): (usize, NodeEvent)) {
         match report {
-            Report::Clock(common_ms) => self.clock_ms = self.clock_ms.max(common_ms),
-            Report::Begun(begun) => self.clock_ms = self.clock_ms.max(begun.common_ms),
-            Report::Decision(decision) => {
+            NodeEvent::Clock(common_ms) => self.clock_ms = self.clock_ms.max(common_ms),
+            NodeEvent::StepStarted(begun) => self.clock_ms = self.clock_ms.max(begun.common_ms),
+            NodeEvent::Decision(decision) => {
                 let flown = &mut self.flown[id];
                 flown.first.get_or_insert(decision.step);
                 flown.last = decision.step;
                 flown.decisions += 1;
                 flown.late += u64::from(decision.late);
             }
-            Report::Notice(notice) if notice.warning => *self.words.entry(notice.text).or_default() += 1,
-            Report::Notice(_) | Report::Stage(_) | Report::Status(_) | Report::Ended(_) => {}
+            NodeEvent::Notice(notice) if notice.warning => *self.words.entry(notice.text).or_default() += 1,
+            NodeEvent::Notice(_) | NodeEvent::Stage(_) | NodeEvent::Status(_) | NodeEvent::Ended(_) => {}
         }
     }
 

@@ -17,7 +17,7 @@ class ArduPilot(Autopilot):
         Mode("POSHOLD", 16, Behaviour.HOLD),
         Mode("BRAKE", 17, Behaviour.HOLD, arms=False),
     )
-    START, HOLDING, FOLLOWING = "STABILIZE", "LOITER", "GUIDED"
+    INITIAL_MODE, HOLD_MODE, GUIDED_MODE = "STABILIZE", "LOITER", "GUIDED"
     PARAMETERS = {
         "MAV_SYSID": 1.0,
         "GUID_TIMEOUT": 3.0,
@@ -36,7 +36,7 @@ class ArduPilot(Autopilot):
         """Stays in GUIDED and stops."""
         self.flight.stop()
 
-    def failsafe_after_ms(self) -> float | None:
+    def heartbeat_timeout_ms(self) -> float | None:
         """FS_GCS_TIMEOUT, when FS_GCS_ENABLE is set."""
         return self.parameters["FS_GCS_TIMEOUT"] * 1000.0 if self.parameters["FS_GCS_ENABLE"] else None
 

@@ -24,12 +24,12 @@ SEVERITY_CRITICAL, SEVERITY_WARNING, SEVERITY_INFO = 2, 4, 6
 
 
 class Autopilot:
-    """One autopilot's state; the dialects derive from it."""
+    """The state of one autopilot; ArduPilot and PX4 derive from it."""
 
     MODES: tuple[Mode, ...]
-    START: str
-    HOLDING: str
-    FOLLOWING: str
+    INITIAL_MODE: str
+    HOLD_MODE: str
+    GUIDED_MODE: str
     PARAMETERS: dict[str, float]
 
     def __init__(self, body: Body, emit: Emit, ekf_ready_ms: int) -> None:
@@ -44,14 +44,14 @@ class Autopilot:
         self.boot(0)
 
     def boot(self, t_ms: int) -> None:
-        """Starts from nothing."""
+        """Boots: disarmed, in the initial mode, without a position."""
         self.t_ms = t_ms
-        self.mode = self._named(self.START)
+        self.mode = self._named(self.INITIAL_MODE)
         self.flight.enter(self.mode.behaviour)
         self.armed = False
         self.crashed = False
         self.home: tuple[float, float, float] | None = None
-        self.controller_seen_ms: int | None = None
+        self.controller_heartbeat_ms: int | None = None
         self.gcs_failsafe = False
         self.setpoint_ms: int | None = None
         self._stream_since_ms = 0
@@ -66,18 +66,18 @@ class Autopilot:
         self.has_origin = False
         """The EKF has been ready since the start."""
 
-    # What a dialect decides
+    # What each autopilot decides
 
     def setpoint_timeout_ms(self) -> float:
-        """After this long without a setpoint the vehicle no longer follows."""
+        """Without a setpoint for this long the vehicle stops following, ms."""
         raise NotImplementedError
 
     def on_setpoint_timeout(self) -> None:
-        """What then happens."""
+        """What the autopilot does after a setpoint timeout."""
         raise NotImplementedError
 
-    def failsafe_after_ms(self) -> float | None:
-        """The controller's heartbeats may be missing this long; none when nobody watches them."""
+    def heartbeat_timeout_ms(self) -> float | None:
+        """Without a HEARTBEAT of the controller for this long the GCS failsafe acts, ms; None when it is off."""
         raise NotImplementedError
 
     # State
@@ -89,13 +89,13 @@ class Autopilot:
 
     @property
     def follows(self) -> bool:
-        """It has a setpoint that has not timed out."""
+        """Whether it follows a setpoint that has not timed out."""
         has_one = self.setpoint_ms is not None and not self._timed_out
         return has_one and self.armed and self.mode.behaviour is Behaviour.GUIDED
 
     @property
     def is_streaming(self) -> bool:
-        """It follows setpoints and has taken one lately."""
+        """Whether it follows setpoints and has accepted one lately."""
         return self.follows and self.setpoint_ms is not None and self.t_ms - self.setpoint_ms <= STREAMING_MS
 
     @property
@@ -105,7 +105,7 @@ class Autopilot:
         return self.t_ms >= self._ekf_ready_ms and not lost and not self.ekf_bad
 
     def phase(self) -> str | None:
-        """takeoff, transit or hold; none on the ground and on the way back to it."""
+        """The phase of flight: takeoff, transit or hold; None on the ground and during return and landing."""
         if not self.armed or self.flight.grounded:
             return None
         if self.flight.climbing:
@@ -115,10 +115,10 @@ class Autopilot:
         return "transit" if self.body.speed > 0.5 else "hold"
 
     def count(self, what: str) -> None:
-        """Adds one to a figure of the closing statistics."""
+        """Adds one to a count of the final statistics."""
         self.counts[what] = self.counts.get(what, 0) + 1
 
-    def say(self, severity: int, text: str) -> None:
+    def send_text(self, severity: int, text: str) -> None:
         """Queues a STATUSTEXT."""
         self.texts.append((severity, text))
 
@@ -127,7 +127,7 @@ class Autopilot:
     def change_mode(self, mode: Mode, why: str) -> bool:
         """Changes the mode; false when it must not."""
         if mode.needs_position and not self.ekf_ready and why != "failsafe":
-            self.say(SEVERITY_WARNING, f"Mode change to {mode.name} failed: requires position")
+            self.send_text(SEVERITY_WARNING, f"Mode change to {mode.name} failed: requires position")
             return False
         if mode is self.mode:
             return True
@@ -144,10 +144,10 @@ class Autopilot:
         if self.armed:
             return True
         if not self.ekf_ready and not force:
-            self.say(SEVERITY_CRITICAL, "PreArm: Need Position Estimate")
+            self.send_text(SEVERITY_CRITICAL, "PreArm: Need Position Estimate")
             return False
         if not self.mode.arms:
-            self.say(SEVERITY_CRITICAL, f"Arm: {self.mode.name} mode not armable")
+            self.send_text(SEVERITY_CRITICAL, f"Arm: {self.mode.name} mode not armable")
             return False
         self.armed = True
         self._armed_ms = self.t_ms
@@ -159,7 +159,7 @@ class Autopilot:
     def disarm(self, force: bool) -> bool:
         """Stops the motors; in the air only when forced."""
         if self.armed and self.airborne and not force:
-            self.say(SEVERITY_WARNING, "Disarm: vehicle is not landed")
+            self.send_text(SEVERITY_WARNING, "Disarm: vehicle is not landed")
             return False
         if self.armed:
             self.armed = False
@@ -174,14 +174,14 @@ class Autopilot:
         return True
 
     def heartbeat(self) -> None:
-        """One of the controller arrived."""
-        self.controller_seen_ms = self.t_ms
+        """A HEARTBEAT of the controller arrived."""
+        self.controller_heartbeat_ms = self.t_ms
         if self.gcs_failsafe:
             self.gcs_failsafe = False
-            self.say(SEVERITY_WARNING, "GCS Failsafe Cleared")
+            self.send_text(SEVERITY_WARNING, "GCS Failsafe Cleared")
 
-    def take_setpoint(self, setpoint: Setpoint) -> bool:
-        """Follows a setpoint; false when it is ignored."""
+    def accept_setpoint(self, setpoint: Setpoint) -> bool:
+        """Follows a setpoint; False when it is ignored."""
         if self.mode.behaviour is not Behaviour.GUIDED:
             self.count("ignored_in_other_mode")
             return False
@@ -206,29 +206,29 @@ class Autopilot:
         self._stopped = False
 
     def crash(self, reason: str) -> None:
-        """The end of this vehicle."""
+        """The vehicle has crashed and is out of the simulation."""
         self.crashed = True
         self.armed = False
-        self.body.rest()
+        self.body.stop()
         self._emit("crash", reason=reason)
 
-    def fail_safe(self, reason: str, mode: str) -> None:
-        """A failsafe takes the vehicle out of whatever it does."""
-        self.say(SEVERITY_CRITICAL, f"{reason} failsafe: {mode}")
+    def enter_failsafe(self, reason: str, mode: str) -> None:
+        """A failsafe changes the mode."""
+        self.send_text(SEVERITY_CRITICAL, f"{reason} failsafe: {mode}")
         self._emit("failsafe", reason=reason, mode=mode)
         self.change_mode(self._named(mode), "failsafe")
 
     # Time
 
     def advance(self, t_ms: int, moves_by_itself: bool) -> None:
-        """Lets time pass until `t_ms`. In guided flight the body stays where it is unless it `moves_by_itself`."""
+        """Advances to `t_ms`. In guided flight the body stays where it is unless it `moves_by_itself`."""
         dt_ms, self.t_ms = t_ms - self.t_ms, t_ms
         if self.crashed:
             return
         if not self.has_origin and self.ekf_ready:
             self.has_origin = True
             self._emit("ekf_ready")
-        self._watch()
+        self._check_failsafes()
         climbing = self.flight.climbing
         impact = self.flight.advance(dt_ms / 1000.0, self.armed, moves_by_itself)
         if climbing and not self.flight.climbing and self.airborne:
@@ -244,28 +244,28 @@ class Autopilot:
         self.on_airborne()
 
     def on_airborne(self) -> None:
-        """The take-off is over."""
+        """The take-off is finished."""
 
     @property
     def flown_since_setpoint_m(self) -> float:
-        """Way over ground since the last setpoint that was taken."""
+        """Distance over ground since the last accepted setpoint, m."""
         return self.body.flown_m - self._flown_at_setpoint
 
-    def _watch(self) -> None:
+    def _check_failsafes(self) -> None:
         if not self.armed:
             return
-        limit = self.failsafe_after_ms()
-        seen = self.controller_seen_ms
+        limit = self.heartbeat_timeout_ms()
+        seen = self.controller_heartbeat_ms
         if limit is not None and seen is not None and not self.gcs_failsafe and self.t_ms - seen > limit:
             self.gcs_failsafe = True
             if self.airborne and self.mode.behaviour not in (Behaviour.RETURN, Behaviour.LAND):
-                self.fail_safe("GCS", "RTL")
-        self._watch_ekf()
-        self._watch_setpoints()
+                self.enter_failsafe("GCS", "RTL")
+        self._check_ekf()
+        self._check_setpoint_timeout()
         if self.flight.grounded and not self.flight.climbing and self.t_ms - self._armed_ms > AUTO_DISARM_MS:
             self.disarm(force=True)
 
-    def _watch_setpoints(self) -> None:
+    def _check_setpoint_timeout(self) -> None:
         # A position is a goal that does not age.
         if not self.follows or self.setpoint_ms is None or self.flight.target_kind is Kind.POSITION:
             return
@@ -275,7 +275,7 @@ class Autopilot:
             self._emit("timeout", silent_ms=silent_ms, flown_m=round(self.flown_since_setpoint_m, 2))
             self.on_setpoint_timeout()
 
-    def _watch_ekf(self) -> None:
+    def _check_ekf(self) -> None:
         if self.ekf_ready or not self.airborne:
             self._ekf_lost_ms = None
         elif self._ekf_lost_ms is None:
@@ -284,7 +284,7 @@ class Autopilot:
             Behaviour.LAND,
             Behaviour.LEVEL,
         ):
-            self.fail_safe("EKF", "LAND")
+            self.enter_failsafe("EKF", "LAND")
 
     def _land(self, impact_mps: float) -> None:
         if impact_mps > HARD_LANDING_MPS:

@@ -1,4 +1,4 @@
-"""How a multicopter moves: a point mass with limits, a lag and drag.
+"""Point-mass dynamics of a multicopter, with limits, a lag and drag.
 
 The numbers are set so that the point mass does what a simulated ArduCopter was measured
 to do: from rest to 4.8 m/s in 3 s on a velocity of 5 m/s, and 0.75 m short of constant acceleration
@@ -23,7 +23,7 @@ LONGEST_SLICE_S = 0.05
 
 
 class Body:
-    """Position (m east, north, up of the origin), velocity (m/s) and what is felt of wind."""
+    """Position (m east, north, up of the origin), velocity (m/s) and wind (m/s)."""
 
     __slots__ = (
         "_integral_e",
@@ -47,14 +47,14 @@ class Body:
         self.ground = up
         self.wind_e, self.wind_n = wind
         self.flown_m = 0.0
-        self.rest()
+        self.stop()
 
-    def rest(self) -> None:
+    def stop(self) -> None:
         """Stops at once."""
         self.vu = 0.0
-        self.rest_horizontally()
+        self.stop_horizontally()
 
-    def rest_horizontally(self) -> None:
+    def stop_horizontally(self) -> None:
         """Stops at once over the ground."""
         self.ve = self.vn = 0.0
         self.acceleration_e = self.acceleration_n = 0.0
@@ -71,7 +71,7 @@ class Body:
         return self.up - self.ground
 
     def follow(self, dt: float, ve: float, vn: float, vu: float, ff_e: float = 0.0, ff_n: float = 0.0) -> None:
-        """Tracks a velocity (m/s) with an acceleration known beforehand (m/s²)."""
+        """Tracks a velocity (m/s) with a feed-forward acceleration (m/s²)."""
         error_e, error_n = ve - self.ve, vn - self.vn
         want_e = ff_e + VELOCITY_GAIN_PER_S * error_e + self._integral_e
         want_n = ff_n + VELOCITY_GAIN_PER_S * error_n + self._integral_n

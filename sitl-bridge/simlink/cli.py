@@ -14,7 +14,7 @@ from simlink.events import EventLog
 from simlink.fleet import Fleet
 from simlink.hub import UdpHub, first_line
 from simlink.signing import KeyFileError, read_key
-from simlink.status import Spoken, StatusLine
+from simlink.status import EventLines, StatusLine
 
 logger = logging.getLogger(__name__)
 
@@ -35,11 +35,11 @@ PORTS = {"ardupilot": (14_550, 10), "px4": (14_540, 1)}
 def main(arguments: list[str] | None = None) -> int:
     """Runs a fleet until it is stopped; returns the exit status."""
     logging.basicConfig(level=logging.INFO, stream=sys.stderr, format="simlink: %(message)s")
-    logging.getLogger("pymavlink").setLevel(logging.WARNING)  # it tells of every refused signature
+    logging.getLogger("pymavlink").setLevel(logging.WARNING)  # it logs every rejected signature
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     arguments = sys.argv[1:] if arguments is None else arguments
     try:
-        return _by_hand(_parser().parse_args(arguments)) if arguments else _from_stdin()
+        return _from_options(_parser().parse_args(arguments)) if arguments else _from_stdin()
     except (ConfigError, KeyFileError) as error:
         print(f"simlink: {error}", file=sys.stderr)
         return 2
@@ -65,9 +65,9 @@ def _from_stdin() -> int:
     return 0
 
 
-def _by_hand(options: argparse.Namespace) -> int:
+def _from_options(options: argparse.Namespace) -> int:
     fleet_config = config.read(_raw(options))
-    log = EventLog(sys.stdout) if options.json else Spoken(logger)
+    log = EventLog(sys.stdout) if options.json else EventLines(logger)
     with _hub(fleet_config) as hub:
         fleet = Fleet(fleet_config, hub, log, _key(fleet_config), StatusLine(sys.stderr, hub.now))
         for vehicle in fleet_config.vehicles:

@@ -1,63 +1,81 @@
 """Commands to a running fleet, one JSON object a line."""
 
 import json
-import logging
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Any
 
-from simlink.faults import Fault, FaultError
-
-if TYPE_CHECKING:
-    from simlink.fleet import Fleet
-
-logger = logging.getLogger(__name__)
+from simlink.faults import Fault
 
 
-class Control:
-    """Carries out control lines; a line that makes no sense is answered with an `error` event."""
+@dataclass(frozen=True)
+class Stop:
+    """Ends the flight."""
 
-    def __init__(self, fleet: "Fleet") -> None:
-        self._fleet = fleet
 
-    def take(self, line: bytes | None) -> None:
-        """One line; None when there will be no more, which ends the flight."""
-        if line is None:
-            self._fleet.stopped = True
-            return
-        if not line.strip():
-            return
-        try:
-            command = json.loads(line)
-            if not isinstance(command, dict) or len(command) != 1:
-                raise ValueError('a command is an object with one field, such as {"stop": true}')
-            ((name, value),) = command.items()
-            self._carry_out(name, value)
-        except (ValueError, TypeError, KeyError) as error:
-            logger.error("control: %s", error)
-            self._fleet.report("error", reason=f"control: {error}")
+@dataclass(frozen=True)
+class AddFault:
+    """Adds a fault to a vehicle."""
 
-    def _carry_out(self, name: str, value: Any) -> None:
-        fleet = self._fleet
-        match name:
-            case "stop":
-                fleet.stopped = True
-            case "fault":
-                fault = Fault.read(value)
-                vehicle = fleet.vehicle(fault.id)
-                if vehicle is None:
-                    raise FaultError(f"there is no vehicle {fault.id}")
-                vehicle.faults.add(fault)
-            case "mode":
-                vehicle = fleet.vehicle(value["id"])
-                if vehicle is None:
-                    raise ValueError(f"there is no vehicle {value['id']}")
-                vehicle.pilot_mode(value["name"])
-            case "epoch_unix_ms":
-                fleet.epoch_unix_ms = int(value)
-            case "speed":
-                if not value > 0:
-                    raise ValueError(f"the speed is greater than 0, not {value}")
-                fleet.speed = float(value)
-            case "stats":
-                fleet.report("stats", **fleet.stats())
-            case _:
-                raise ValueError(f"there is no command `{name}`; known: fault, mode, speed, epoch_unix_ms, stats, stop")
+    fault: Fault
+
+
+@dataclass(frozen=True)
+class PilotMode:
+    """The pilot of vehicle `id` switches to the mode `name`."""
+
+    id: Any
+    name: str
+
+
+@dataclass(frozen=True)
+class SetEpoch:
+    """Step 0 begins at this Unix time, ms."""
+
+    unix_ms: int
+
+
+@dataclass(frozen=True)
+class SetSpeed:
+    """The wall clock runs at so many times real time."""
+
+    speed: float
+
+
+@dataclass(frozen=True)
+class ReportStats:
+    """Writes a `stats` event."""
+
+
+Command = Stop | AddFault | PilotMode | SetEpoch | SetSpeed | ReportStats
+
+
+def parse(line: bytes | None) -> Command | None:
+    """The command in a control line; None for an empty line. The end of the lines (None) is a Stop.
+
+    Raises ValueError, TypeError or KeyError when the line is no command.
+    """
+    if line is None:
+        return Stop()
+    if not line.strip():
+        return None
+    command = json.loads(line)
+    if not isinstance(command, dict) or len(command) != 1:
+        raise ValueError('a command is an object with one field, such as {"stop": true}')
+    ((name, value),) = command.items()
+    match name:
+        case "stop":
+            return Stop()
+        case "fault":
+            return AddFault(Fault.read(value))
+        case "mode":
+            return PilotMode(value["id"], value["name"])
+        case "epoch_unix_ms":
+            return SetEpoch(int(value))
+        case "speed":
+            if not value > 0:
+                raise ValueError(f"the speed is greater than 0, not {value}")
+            return SetSpeed(float(value))
+        case "stats":
+            return ReportStats()
+        case _:
+            raise ValueError(f"there is no command `{name}`; known: fault, mode, speed, epoch_unix_ms, stats, stop")

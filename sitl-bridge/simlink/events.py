@@ -1,4 +1,4 @@
-"""What the fleet tells: one JSON object a line."""
+"""The fleet's events, one JSON object a line."""
 
 import json
 from typing import Any, TextIO

@@ -1,4 +1,4 @@
-"""Scripted faults: what goes wrong with one autopilot, when and for how long."""
+"""Scripted faults: which fault of which autopilot, when and for how long."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -90,7 +90,7 @@ def _option(kind: str, value: Any) -> Any:
 
 @dataclass
 class FaultPlan:
-    """The faults of one vehicle: those to come and those that last."""
+    """The faults of one vehicle: pending and active ones."""
 
     waiting: list[Fault] = field(default_factory=list)
     _armed: list[tuple[int, Fault]] = field(default_factory=list)

@@ -1,11 +1,12 @@
-"""All vehicles and the clock that moves them."""
+"""All vehicles and the clock that advances them."""
 
 import logging
 from collections.abc import Callable
 from typing import Any
 
+from simlink import control
 from simlink.config import FleetConfig
-from simlink.control import Control
+from simlink.faults import FaultError
 from simlink.hub import CONTROL, Hub
 from simlink.vehicle import Vehicle
 
@@ -15,7 +16,7 @@ _CATCH_UP_S = 1.0
 
 
 class Fleet:
-    """Moves time on tick by tick: integrates, sends, then waits for setpoints or for the wall clock."""
+    """Advances time tick by tick: integrates, sends, then waits for setpoints or for the wall clock."""
 
     def __init__(
         self,
@@ -31,7 +32,6 @@ class Fleet:
         self.vehicles = [Vehicle(vehicle, config, key, self.report) for vehicle in config.vehicles]
         self._by_id = {vehicle.config.id: vehicle for vehicle in self.vehicles}
         self._hub, self._out = hub, emit
-        self._control = Control(self)
         self._on_tick = on_tick
         self.stopped = False
         self.epoch_unix_ms = config.unix_ms if config.epoch_unix_ms is None else config.epoch_unix_ms
@@ -55,9 +55,9 @@ class Fleet:
         return (self.config.unix_ms + self.t_ms - self.epoch_unix_ms) // self.config.scale.step_ms
 
     def run(self) -> None:
-        """Flies until somebody stops it."""
+        """Flies until it is stopped."""
         self.report("ready", vehicles=len(self.vehicles))
-        self._truth()
+        self._report_truth()
         try:
             while not self.stopped:
                 self.tick()
@@ -68,7 +68,7 @@ class Fleet:
             self.report("stats", **self.stats())
 
     def tick(self) -> None:
-        """Lets one tick pass and sends what is due."""
+        """Advances by one tick and sends the messages that are due."""
         self.t_ms += self.config.tick_ms
         for vehicle in self.vehicles:
             vehicle.advance(self.t_ms)
@@ -76,13 +76,13 @@ class Fleet:
             self._step = self.step
             for vehicle in self.vehicles:
                 vehicle.step()
-            self._truth()
+            self._report_truth()
         self._refresh_signing_clocks()
         for index, vehicle in enumerate(self.vehicles):
             for frame in vehicle.telemetry():
                 self._hub.send(index, frame)
 
-    def _truth(self) -> None:
+    def _report_truth(self) -> None:
         if self._step < 0:
             return
         scale = self.config.scale
@@ -109,14 +109,14 @@ class Fleet:
     # Between two ticks
 
     def _wait(self) -> None:
-        """Takes what comes in until every streaming vehicle has its setpoint, or the wall clock says go on."""
+        """Receives until every streaming vehicle has its setpoint, or until the wall clock allows the next tick."""
         hub, began = self._hub, self._hub.now()
-        waiting = self._waited_for()
+        waiting = self._awaited_vehicles()
         give_up = began + self.config.lockstep_timeout_s
         go_on = self._pace(began)
         first = True
         while not self.stopped:
-            waiting = {vehicle for vehicle in waiting if self._is_owed(vehicle)}
+            waiting = {vehicle for vehicle in waiting if self._owes_setpoint(vehicle)}
             now = hub.now()
             if waiting and now >= give_up:
                 self._report_late(waiting)
@@ -128,7 +128,7 @@ class Fleet:
             for index, datagram in hub.receive(until - now):
                 self._take(index, datagram)
 
-    def _waited_for(self) -> set[Vehicle]:
+    def _awaited_vehicles(self) -> set[Vehicle]:
         if not self.config.lockstep:
             return set()
         self._late = {
@@ -140,12 +140,12 @@ class Fleet:
             if vehicle.awaits_setpoint and vehicle.autopilot.is_streaming and vehicle not in self._late
         }
 
-    def _is_owed(self, vehicle: Vehicle) -> bool:
-        """It streams, and has no setpoint since this tick's telemetry."""
+    def _owes_setpoint(self, vehicle: Vehicle) -> bool:
+        """Whether its controller streams setpoints and has sent none since this tick's telemetry."""
         return vehicle.autopilot.is_streaming and vehicle.autopilot.setpoint_ms != self.t_ms
 
     def _pace(self, now: float) -> float:
-        """When the wall clock lets the next tick begin."""
+        """Wall-clock time at which the next tick may begin, s."""
         tick_s = self.config.tick_ms / 1000.0 / self.speed
         if self.config.lockstep:
             return now + tick_s if any(self._needs_wall_clock(vehicle) for vehicle in self.vehicles) else now
@@ -153,9 +153,9 @@ class Fleet:
         return self._next_tick
 
     def _needs_wall_clock(self, vehicle: Vehicle) -> bool:
-        """Nothing else holds back the clock of a vehicle that does not stream, and its controller must keep up."""
-        pilot = vehicle.autopilot
-        return not pilot.crashed and (not pilot.is_streaming or vehicle in self._late)
+        """Whether time must not run faster than `speed`, as no setpoints are waited for and the controller must keep up."""
+        autopilot = vehicle.autopilot
+        return not autopilot.crashed and (not autopilot.is_streaming or vehicle in self._late)
 
     def _report_late(self, late: set[Vehicle]) -> None:
         for vehicle in sorted(late, key=lambda vehicle: vehicle.config.id):
@@ -166,13 +166,46 @@ class Fleet:
 
     def _take(self, index: int, datagram: bytes | None) -> None:
         if index == CONTROL:
-            self._control.take(datagram)
+            self._handle_control(datagram)
             return
         for frame in self.vehicles[index].receive(datagram or b""):
             self._hub.send(index, frame)
 
+    # Control lines
+
+    def _handle_control(self, line: bytes | None) -> None:
+        """Carries out a control line; one that makes no sense is answered with an `error` event."""
+        try:
+            command = control.parse(line)
+            if command is not None:
+                self._carry_out(command)
+        except (ValueError, TypeError, KeyError) as error:
+            logger.error("control: %s", error)
+            self.report("error", reason=f"control: {error}")
+
+    def _carry_out(self, command: control.Command) -> None:
+        match command:
+            case control.Stop():
+                self.stopped = True
+            case control.AddFault(fault):
+                vehicle = self.vehicle(fault.id)
+                if vehicle is None:
+                    raise FaultError(f"there is no vehicle {fault.id}")
+                vehicle.faults.add(fault)
+            case control.PilotMode(identity, name):
+                vehicle = self.vehicle(identity)
+                if vehicle is None:
+                    raise ValueError(f"there is no vehicle {identity}")
+                vehicle.pilot_mode(name)
+            case control.SetEpoch(unix_ms):
+                self.epoch_unix_ms = unix_ms
+            case control.SetSpeed(speed):
+                self.speed = speed
+            case control.ReportStats():
+                self.report("stats", **self.stats())
+
     def stats(self) -> dict[str, Any]:
-        """Figures of the whole flight."""
+        """Statistics of the whole flight."""
         wall_s = self._hub.now() - self._started
         return {
             "simulated_s": self.t_ms / 1000.0,

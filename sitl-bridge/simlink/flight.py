@@ -1,4 +1,4 @@
-"""From what the autopilot wants to what the body does."""
+"""The flight controller: from behaviour and setpoint to the motion of the body."""
 
 import math
 
@@ -17,7 +17,7 @@ ACCELERATION_BIAS = 0.05
 
 
 class Flight:
-    """Flies one behaviour."""
+    """Controls the body by the present behaviour."""
 
     def __init__(self, body: Body) -> None:
         self._body = body
@@ -32,12 +32,12 @@ class Flight:
 
     @property
     def climbing(self) -> bool:
-        """A take-off is going on."""
+        """Whether a take-off is under way."""
         return self._climb_to is not None
 
     @property
     def target_kind(self) -> Kind | None:
-        """What the last setpoint asks for."""
+        """What the last setpoint controls."""
         return self._setpoint.kind if self._setpoint else None
 
     @property
@@ -66,7 +66,7 @@ class Flight:
         self._ve, self._vn, _ = setpoint.velocity
 
     def stop(self) -> None:
-        """Lets go of the setpoint: brakes and holds."""
+        """Drops the setpoint: brakes and holds the position."""
         self._setpoint = None
 
     def advance(self, dt: float, armed: bool, moves_by_itself: bool) -> float | None:
@@ -89,7 +89,7 @@ class Flight:
             if body.up <= body.ground and body.vu <= 0.0 and not self.grounded:
                 impact = -body.vu
                 body.up = body.ground
-                body.rest()
+                body.stop()
                 self.grounded = True
                 self._climb_to = None
                 return impact

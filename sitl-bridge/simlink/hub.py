@@ -8,7 +8,7 @@ from typing import Protocol
 
 CONTROL = -1
 """Index of a control line among what was received."""
-_MOST_A_TURN = 64
+_MAX_PER_TURN = 64
 _BUFFER_BYTES = 1 << 20
 
 
@@ -22,7 +22,7 @@ class Hub(Protocol):
         """Sends a datagram of the vehicle at `index`."""
 
     def receive(self, timeout_s: float) -> list[tuple[int, bytes | None]]:
-        """What has arrived, by vehicle; waits for at most `timeout_s`. Under CONTROL a line, or None at their end."""
+        """Received datagrams, by vehicle; waits for at most `timeout_s`. Under CONTROL a line, or None at their end."""
 
 
 class UdpHub:
@@ -64,7 +64,7 @@ class UdpHub:
             pass
 
     def receive(self, timeout_s: float) -> list[tuple[int, bytes | None]]:
-        """What has arrived."""
+        """Received datagrams and control lines."""
         arrived: list[tuple[int, bytes | None]] = [(CONTROL, line) for line in self._early]
         self._early = []
         for fd, _ in self._poll.poll(max(0.0, timeout_s)):
@@ -73,7 +73,7 @@ class UdpHub:
                 continue
             index = self._by_fd[fd]
             receive = self._sockets[index].recv
-            for _ in range(_MOST_A_TURN):
+            for _ in range(_MAX_PER_TURN):
                 try:
                     arrived.append((index, receive(2048)))
                 except BlockingIOError:

@@ -1,15 +1,13 @@
-"""What an autopilot does with the messages it gets."""
+"""How an autopilot handles received messages: commands, setpoints, parameters."""
 
 import math
-from typing import TYPE_CHECKING
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from simlink import modes, schedule, setpoint, telemetry
 from simlink.px4 import Px4
-
-if TYPE_CHECKING:
-    from simlink.vehicle import Vehicle
+from simlink.schedule import Schedule
+from simlink.vehicle_state import VehicleState
 
 ACCEPTED = mavlink.MAV_RESULT_ACCEPTED
 REJECTED = mavlink.MAV_RESULT_TEMPORARILY_REJECTED
@@ -25,8 +23,8 @@ _AUTOPILOT = mavlink.MAV_COMP_ID_AUTOPILOT1
 class Protocol:
     """Handles messages for one vehicle; answers go to its outbox."""
 
-    def __init__(self, vehicle: "Vehicle") -> None:
-        self._v = vehicle
+    def __init__(self, vehicle: VehicleState, streams: Schedule, outbox: list[mavlink.MAVLink_message]) -> None:
+        self._vehicle, self._streams, self._outbox = vehicle, streams, outbox
         self._handlers = {
             mavlink.MAVLINK_MSG_ID_HEARTBEAT: self._heartbeat,
             mavlink.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED: self._setpoint,
@@ -48,44 +46,53 @@ class Protocol:
             mavlink.MAV_CMD_SET_MESSAGE_INTERVAL: self._set_interval,
             mavlink.MAV_CMD_GET_MESSAGE_INTERVAL: self._get_interval,
             mavlink.MAV_CMD_REQUEST_MESSAGE: self._request,
-            mavlink.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: lambda *_: self._send(telemetry.autopilot_version(self._v)),
+            mavlink.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: lambda *_: self._send_version(),
             mavlink.MAV_CMD_GET_HOME_POSITION: lambda *_: self._request(mavlink.MAVLINK_MSG_ID_HOME_POSITION),
             mavlink.MAV_CMD_DO_CHANGE_SPEED: lambda *_: ACCEPTED,
         }
 
     def handle(self, message: mavlink.MAVLink_message) -> None:
-        """Does what a message asks, if it is meant for this autopilot."""
+        """Handles a message, if it is addressed to this autopilot."""
         handler = self._handlers.get(message.get_msgId())
         if handler is None:
             return
-        if getattr(message, "target_system", 0) not in (0, self._v.config.system):
+        if getattr(message, "target_system", 0) not in (0, self._vehicle.config.system):
             return
         if getattr(message, "target_component", 0) not in (0, _AUTOPILOT):
             return
         handler(message)
 
+    def flush_texts(self) -> None:
+        """Turns the autopilot's texts into STATUSTEXT messages."""
+        for severity, text in self._vehicle.autopilot.texts:
+            self._outbox.append(mavlink.MAVLink_statustext_message(severity, text.encode()[:50]))
+        self._vehicle.autopilot.texts.clear()
+
     def _send(self, message: mavlink.MAVLink_message) -> int:
-        self._v.outbox.append(message)
+        self._outbox.append(message)
         return ACCEPTED
 
+    def _send_version(self) -> int:
+        return self._send(telemetry.autopilot_version(self._vehicle))
+
     def _heartbeat(self, message: mavlink.MAVLink_message) -> None:
-        # Another autopilot on the same link is nobody's controller.
+        # Another autopilot on the same link is not a controller.
         if message.autopilot == mavlink.MAV_AUTOPILOT_INVALID or message.type == mavlink.MAV_TYPE_GCS:
-            self._v.autopilot.heartbeat()
+            self._vehicle.autopilot.heartbeat()
 
     def _setpoint(self, message: mavlink.MAVLink_message) -> None:
-        pilot = self._v.autopilot
+        autopilot = self._vehicle.autopilot
         if message.coordinate_frame not in setpoint.FRAMES:
-            pilot.count("ignored_frame")
+            autopilot.count("ignored_frame")
             return
         target = setpoint.read(message)
         if target.kind is setpoint.Kind.POSITION:
-            e, n, u = self._v.ekf_origin
+            e, n, u = self._vehicle.ekf_origin
             if message.coordinate_frame == mavlink.MAV_FRAME_LOCAL_OFFSET_NED:
-                e, n, u = pilot.body.east, pilot.body.north, pilot.body.up
+                e, n, u = autopilot.body.east, autopilot.body.north, autopilot.body.up
             x, y, z = target.position
             target.position = (e + x, n + y, u + z)
-        pilot.take_setpoint(target)
+        autopilot.accept_setpoint(target)
 
     # Commands
 
@@ -103,7 +110,7 @@ class Protocol:
             result = UNSUPPORTED if handler is None else handler(*parameters)
         except (ValueError, OverflowError):  # where a whole number should be there is none
             result = DENIED
-        self._v.flush_texts()
+        self.flush_texts()
         self._send(
             mavlink.MAVLink_command_ack_message(
                 command, result, 0, 0, message.get_srcSystem(), message.get_srcComponent()
@@ -111,60 +118,61 @@ class Protocol:
         )
 
     def _arm(self, start: float, magic: float, *_: float) -> int:
-        pilot, force = self._v.autopilot, magic == FORCE
-        return ACCEPTED if (pilot.arm(force) if start == 1.0 else pilot.disarm(force)) else FAILED
+        autopilot, force = self._vehicle.autopilot, magic == FORCE
+        return ACCEPTED if (autopilot.arm(force) if start == 1.0 else autopilot.disarm(force)) else FAILED
 
     def _takeoff(self, *parameters: float) -> int:
-        height, pilot = parameters[6], self._v.autopilot
-        if isinstance(pilot, Px4):
+        height, autopilot = parameters[6], self._vehicle.autopilot
+        if isinstance(autopilot, Px4):
             # Above the sea; without a number a parameter says how high above the ground.
             known = math.isfinite(height)
-            up = height - self._v.plane.altitude_m if known else pilot.body.up + pilot.parameters["MIS_TAKEOFF_ALT"]
+            default = autopilot.body.up + autopilot.parameters["MIS_TAKEOFF_ALT"]
+            up = height - self._vehicle.plane.altitude_m if known else default
         else:
-            up = pilot.body.up + height
-        if not math.isfinite(up) or up <= pilot.body.up:
+            up = autopilot.body.up + height
+        if not math.isfinite(up) or up <= autopilot.body.up:
             return DENIED
-        return ACCEPTED if pilot.take_off(up) else FAILED
+        return ACCEPTED if autopilot.take_off(up) else FAILED
 
     def _do_set_mode(self, base: float, main: float, sub: float, *_: float) -> int:
         if not int(base) & mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED:
             return DENIED
-        number = int(main) << 16 | int(sub) << 24 if isinstance(self._v.autopilot, Px4) else int(main)
-        return self._change_to(modes.by_number(self._v.autopilot.MODES, number))
+        number = int(main) << 16 | int(sub) << 24 if isinstance(self._vehicle.autopilot, Px4) else int(main)
+        return self._change_to(modes.by_number(self._vehicle.autopilot.MODES, number))
 
     def _set_mode(self, message: mavlink.MAVLink_message) -> None:
-        self._change_to(modes.by_number(self._v.autopilot.MODES, message.custom_mode))
-        self._v.flush_texts()
+        self._change_to(modes.by_number(self._vehicle.autopilot.MODES, message.custom_mode))
+        self.flush_texts()
 
     def _change_mode(self, name: str) -> int:
-        return self._change_to(modes.by_name(self._v.autopilot.MODES, name))
+        return self._change_to(modes.by_name(self._vehicle.autopilot.MODES, name))
 
     def _change_to(self, mode: modes.Mode | None) -> int:
         if mode is None:
             return FAILED
-        if self._v.autopilot.change_mode(mode, "command"):
+        if self._vehicle.autopilot.change_mode(mode, "command"):
             return ACCEPTED
-        return REJECTED if isinstance(self._v.autopilot, Px4) else FAILED
+        return REJECTED if isinstance(self._vehicle.autopilot, Px4) else FAILED
 
     def _set_interval(self, message: float, interval_us: float, *_: float) -> int:
         interval_ms = max(1, round(interval_us / 1000)) if interval_us > 0 else int(interval_us)
-        return ACCEPTED if self._v.schedule.set(int(message), interval_ms) else FAILED
+        return ACCEPTED if self._streams.set(int(message), interval_ms) else FAILED
 
     def _get_interval(self, message: float, *_: float) -> int:
-        interval_ms = self._v.schedule.interval_ms(int(message))
+        interval_ms = self._streams.interval_ms(int(message))
         interval_us = interval_ms * 1000 if interval_ms > 0 else -1
         return self._send(mavlink.MAVLink_message_interval_message(int(message), interval_us))
 
     def _request(self, message: float, *_: float) -> int:
         builder = schedule.BUILDERS.get(int(message))
-        if builder is None or not schedule.is_known(self._v, int(message)):
+        if builder is None or not schedule.is_known(self._vehicle, int(message)):
             return FAILED
-        return self._send(builder(self._v))
+        return self._send(builder(self._vehicle))
 
     # Parameters, missions, time
 
     def _param_value(self, name: str) -> None:
-        parameters = self._v.autopilot.parameters
+        parameters = self._vehicle.autopilot.parameters
         index = list(parameters).index(name)
         self._send(
             mavlink.MAVLink_param_value_message(
@@ -173,19 +181,19 @@ class Protocol:
         )
 
     def _param_list(self, _: mavlink.MAVLink_message) -> None:
-        for name in self._v.autopilot.parameters:
+        for name in self._vehicle.autopilot.parameters:
             self._param_value(name)
 
     def _param_read(self, message: mavlink.MAVLink_message) -> None:
-        names = list(self._v.autopilot.parameters)
+        names = list(self._vehicle.autopilot.parameters)
         name = names[message.param_index] if 0 <= message.param_index < len(names) else _name(message.param_id)
         if name in names:
             self._param_value(name)
 
     def _param_set(self, message: mavlink.MAVLink_message) -> None:
         name = _name(message.param_id)
-        if name in self._v.autopilot.parameters and math.isfinite(message.param_value):
-            self._v.autopilot.parameters[name] = message.param_value
+        if name in self._vehicle.autopilot.parameters and math.isfinite(message.param_value):
+            self._vehicle.autopilot.parameters[name] = message.param_value
             self._param_value(name)
 
     def _mission_list(self, message: mavlink.MAVLink_message) -> None:
@@ -197,7 +205,7 @@ class Protocol:
 
     def _timesync(self, message: mavlink.MAVLink_message) -> None:
         if message.tc1 == 0:
-            self._send(mavlink.MAVLink_timesync_message(self._v.boot_us * 1000, message.ts1))
+            self._send(mavlink.MAVLink_timesync_message(self._vehicle.boot_us * 1000, message.ts1))
 
 
 def _name(raw: str | bytes) -> str:

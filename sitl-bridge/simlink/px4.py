@@ -27,7 +27,7 @@ class Px4(Autopilot):
         Mode("OFFBOARD", _mode(6), Behaviour.GUIDED),
         Mode("STABILIZED", _mode(7), Behaviour.LEVEL, needs_position=False),
     )
-    START, HOLDING, FOLLOWING = "LOITER", "LOITER", "OFFBOARD"
+    INITIAL_MODE, HOLD_MODE, GUIDED_MODE = "LOITER", "LOITER", "OFFBOARD"
     PARAMETERS = {
         "MAV_SYS_ID": 1.0,
         "COM_OF_LOSS_T": 1.0,
@@ -45,19 +45,19 @@ class Px4(Autopilot):
 
     def on_setpoint_timeout(self) -> None:
         """Leaves OFFBOARD for hold."""
-        self.say(SEVERITY_CRITICAL, "Failsafe: no offboard signal, hold")
+        self.send_text(SEVERITY_CRITICAL, "Failsafe: no offboard signal, hold")
         timed_out, stopped = self._timed_out, self._stopped
-        self.change_mode(self._named(self.HOLDING), "failsafe")
+        self.change_mode(self._named(self.HOLD_MODE), "failsafe")
         self._timed_out, self._stopped = timed_out, stopped
 
-    def failsafe_after_ms(self) -> float | None:
+    def heartbeat_timeout_ms(self) -> float | None:
         """COM_DL_LOSS_T, when NAV_DLL_ACT is set."""
         return self.parameters["COM_DL_LOSS_T"] * 1000.0 if self.parameters["NAV_DLL_ACT"] else None
 
     def change_mode(self, mode: Mode, why: str) -> bool:
         """OFFBOARD only after a second of setpoints at more than 2 Hz."""
         if mode.behaviour is Behaviour.GUIDED and not self._has_stream():
-            self.say(SEVERITY_CRITICAL, "Mode change to OFFBOARD failed: no offboard signal")
+            self.send_text(SEVERITY_CRITICAL, "Mode change to OFFBOARD failed: no offboard signal")
             return False
         last = self._offboard_ms
         if not super().change_mode(mode, why):
@@ -77,7 +77,7 @@ class Px4(Autopilot):
             return False
         return last - self._stream_since_ms >= STREAM_BEFORE_OFFBOARD_MS
 
-    def take_setpoint(self, setpoint: Setpoint) -> bool:
+    def accept_setpoint(self, setpoint: Setpoint) -> bool:
         """Setpoints count as a stream in every mode; numbers that are not finite are ignored."""
         if not setpoint.is_finite:
             self.count("ignored_not_finite")
@@ -86,7 +86,7 @@ class Px4(Autopilot):
         if self._offboard_ms is None or self.t_ms - self._offboard_ms > STREAM_GAP_MS:
             self._stream_since_ms = self.t_ms
         self._offboard_ms = self.t_ms
-        return super().take_setpoint(setpoint)
+        return super().accept_setpoint(setpoint)
 
     def take_off(self, up: float) -> bool:
         """Changes to TAKEOFF by itself."""
@@ -100,4 +100,4 @@ class Px4(Autopilot):
     def on_airborne(self) -> None:
         """Goes on to hold."""
         if self.mode.name == "TAKEOFF":
-            self.change_mode(self._named(self.HOLDING), "takeoff")
+            self.change_mode(self._named(self.HOLD_MODE), "takeoff")

@@ -1,20 +1,17 @@
 """Which messages an autopilot sends, and how often."""
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from simlink import telemetry
 from simlink.px4 import Px4
-
-if TYPE_CHECKING:
-    from simlink.vehicle import Vehicle
+from simlink.vehicle_state import VehicleState
 
 GLOBAL_POSITION_INT = mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT
 LOCAL_POSITION_NED = mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED
 
-Builder = Callable[["Vehicle"], mavlink.MAVLink_message]
+Builder = Callable[[VehicleState], mavlink.MAVLink_message]
 
 BUILDERS: dict[int, Builder] = {
     message.id: builder
@@ -41,13 +38,13 @@ BUILDERS: dict[int, Builder] = {
 _NEED_ORIGIN = (LOCAL_POSITION_NED, mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN, mavlink.MAVLINK_MSG_ID_HOME_POSITION)
 
 
-def is_known(v: "Vehicle", message: int) -> bool:
-    """Whether there is anything to say: what hangs on the EKF origin is not sent before there is one, and PX4
-    sends no global position either.
+def is_known(vehicle: VehicleState, message: int) -> bool:
+    """Whether the message has content: those that depend on the EKF origin are not sent before there is one, and
+    PX4 then sends no global position either.
     """
-    if v.autopilot.has_origin:
+    if vehicle.autopilot.has_origin:
         return True
-    return message not in _NEED_ORIGIN and not (message == GLOBAL_POSITION_INT and isinstance(v.autopilot, Px4))
+    return message not in _NEED_ORIGIN and not (message == GLOBAL_POSITION_INT and isinstance(vehicle.autopilot, Px4))
 
 
 PX4_STREAMS = {
@@ -61,18 +58,18 @@ PX4_STREAMS = {
     GLOBAL_POSITION_INT: 200,
     LOCAL_POSITION_NED: 200,
 }
-"""What PX4 sends unasked beside HEARTBEAT, ms between two; ArduPilot sends nothing more."""
+"""Intervals of the messages that PX4 sends without a request besides HEARTBEAT, ms; ArduPilot sends none."""
 
 
 class Schedule:
-    """What is sent how often. Messages of one interval fall into the same tick."""
+    """The message intervals. Messages of one interval are sent in the same tick."""
 
     def __init__(self, streams: dict[int, int]) -> None:
         self._defaults = {mavlink.MAVLINK_MSG_ID_HEARTBEAT: 1000, **streams}
         self.reset()
 
     def reset(self) -> None:
-        """Back to what is sent unasked."""
+        """Back to the intervals after boot."""
         self._intervals: dict[int, int] = {}
         self._last: dict[int, int] = {}
         for message, interval in self._defaults.items():

@@ -1,4 +1,4 @@
-"""SET_POSITION_TARGET_LOCAL_NED: what its type mask lets count."""
+"""SET_POSITION_TARGET_LOCAL_NED and its type mask."""
 
 import math
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ FRAMES = (mavlink.MAV_FRAME_LOCAL_NED, mavlink.MAV_FRAME_LOCAL_OFFSET_NED)
 
 
 class Kind(Enum):
-    """What a setpoint asks for."""
+    """What a setpoint controls."""
 
     POSITION = auto()
     VELOCITY = auto()
@@ -32,7 +32,7 @@ class Setpoint:
 
     @property
     def is_finite(self) -> bool:
-        """Whether all that counts is a number."""
+        """Whether no used number is NaN or infinite."""
         return all(math.isfinite(v) for v in (*self.position, *self.velocity, *self.acceleration))
 
 

@@ -4,7 +4,7 @@ import hashlib
 import os
 import stat
 
-_MOST_BYTES = 4096
+_MAX_BYTES = 4096
 
 
 class KeyFileError(Exception):
@@ -18,7 +18,7 @@ def read_key(path: str) -> bytes:
     try:
         with open(path, "rb") as file:
             permissions = stat.S_IMODE(os.fstat(file.fileno()).st_mode)
-            content = file.read(_MOST_BYTES)
+            content = file.read(_MAX_BYTES)
     except OSError as error:
         raise KeyFileError(f"cannot read the signing key {path}: {error.strerror}") from None
     if permissions & 0o077:

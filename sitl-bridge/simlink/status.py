@@ -1,4 +1,4 @@
-"""What a person at a terminal sees of a fleet."""
+"""The status of a fleet on a terminal."""
 
 import logging
 from collections import Counter
@@ -12,7 +12,7 @@ REFRESH_S, REFRESH_PLAIN_S = 0.25, 10.0
 
 
 class StatusLine:
-    """One line that is written over and over; without a terminal a line now and then."""
+    """One line that is redrawn in place; without a terminal a line now and then."""
 
     def __init__(self, out: TextIO, clock: Callable[[], float]) -> None:
         self._out, self._clock = out, clock
@@ -35,22 +35,22 @@ class StatusLine:
 
 def summary(fleet: "Fleet") -> str:
     """The fleet in a line."""
-    pilots = [vehicle.autopilot for vehicle in fleet.vehicles]
-    heard = sum(pilot.controller_seen_ms is not None for pilot in pilots)
+    autopilots = [vehicle.autopilot for vehicle in fleet.vehicles]
+    heard = sum(autopilot.controller_heartbeat_ms is not None for autopilot in autopilots)
     parts = [
-        f"{heard} of {len(pilots)} controlled",
-        f"{sum(pilot.armed for pilot in pilots)} armed",
-        f"{sum(pilot.airborne for pilot in pilots)} in the air",
-        f"{sum(pilot.is_streaming for pilot in pilots)} streaming",
+        f"{heard} of {len(autopilots)} controlled",
+        f"{sum(autopilot.armed for autopilot in autopilots)} armed",
+        f"{sum(autopilot.airborne for autopilot in autopilots)} in the air",
+        f"{sum(autopilot.is_streaming for autopilot in autopilots)} streaming",
     ]
-    if crashed := sum(pilot.crashed for pilot in pilots):
+    if crashed := sum(autopilot.crashed for autopilot in autopilots):
         parts.append(f"{crashed} crashed")
-    modes = Counter(pilot.mode.name for pilot in pilots)
+    modes = Counter(autopilot.mode.name for autopilot in autopilots)
     return ", ".join(parts) + "; " + ", ".join(f"{name} {count}" for name, count in sorted(modes.items()))
 
 
-class Spoken:
-    """Events as lines of a log."""
+class EventLines:
+    """Events as lines of a log, for people."""
 
     _QUIET = ("truth", "ready")
 

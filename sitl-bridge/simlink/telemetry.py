@@ -1,15 +1,12 @@
-"""What stands in the messages that an autopilot sends."""
+"""The messages that an autopilot sends, made from the state of its vehicle."""
 
 import math
-from typing import TYPE_CHECKING
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from simlink.geodesy import deg_e7
 from simlink.px4 import Px4
-
-if TYPE_CHECKING:
-    from simlink.vehicle import Vehicle
+from simlink.vehicle_state import VehicleState
 
 _HEALTH = (
     mavlink.MAV_SYS_STATUS_SENSOR_3D_GYRO
@@ -33,42 +30,42 @@ _GOOD_VARIANCE, _BAD_VARIANCE = 0.05, 1.3
 _CELLS, _FULL_CELL_V, _EMPTY_CELL_V = 4, 4.2, 3.3
 
 
-def heartbeat(v: "Vehicle") -> mavlink.MAVLink_message:
+def heartbeat(vehicle: VehicleState) -> mavlink.MAVLink_message:
     """HEARTBEAT."""
-    pilot = v.autopilot
+    autopilot = vehicle.autopilot
     base_mode = mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | mavlink.MAV_MODE_FLAG_STABILIZE_ENABLED
-    if pilot.mode.name == pilot.FOLLOWING:
+    if autopilot.mode.name == autopilot.GUIDED_MODE:
         base_mode |= mavlink.MAV_MODE_FLAG_GUIDED_ENABLED
-    if pilot.armed:
+    if autopilot.armed:
         base_mode |= mavlink.MAV_MODE_FLAG_SAFETY_ARMED
-    if pilot.gcs_failsafe:
+    if autopilot.gcs_failsafe:
         status = mavlink.MAV_STATE_CRITICAL
-    elif pilot.armed and pilot.airborne:
+    elif autopilot.armed and autopilot.airborne:
         status = mavlink.MAV_STATE_ACTIVE
     else:
-        status = mavlink.MAV_STATE_STANDBY if pilot.ekf_ready else mavlink.MAV_STATE_CALIBRATING
-    kind = mavlink.MAV_AUTOPILOT_PX4 if isinstance(pilot, Px4) else mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA
+        status = mavlink.MAV_STATE_STANDBY if autopilot.ekf_ready else mavlink.MAV_STATE_CALIBRATING
+    kind = mavlink.MAV_AUTOPILOT_PX4 if isinstance(autopilot, Px4) else mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA
     return mavlink.MAVLink_heartbeat_message(
-        mavlink.MAV_TYPE_QUADROTOR, kind, base_mode, pilot.mode.custom_mode, status, 3
+        mavlink.MAV_TYPE_QUADROTOR, kind, base_mode, autopilot.mode.custom_mode, status, 3
     )
 
 
-def sys_status(v: "Vehicle") -> mavlink.MAVLink_message:
+def sys_status(vehicle: VehicleState) -> mavlink.MAVLink_message:
     """SYS_STATUS."""
     health = _HEALTH
-    if not v.autopilot.ekf_ready:
+    if not vehicle.autopilot.ekf_ready:
         health &= ~(mavlink.MAV_SYS_STATUS_AHRS | mavlink.MAV_SYS_STATUS_PREARM_CHECK)
-    if v.autopilot.gps_lost_ms is not None:
+    if vehicle.autopilot.gps_lost_ms is not None:
         health &= ~mavlink.MAV_SYS_STATUS_SENSOR_GPS
-    percent = v.battery_percent()
+    percent = vehicle.battery_percent()
     return mavlink.MAVLink_sys_status_message(
         _HEALTH, _HEALTH, health, 300, _battery_mv(percent), 1500, round(percent), 0, 0, 0, 0, 0, 0
     )
 
 
-def battery_status(v: "Vehicle") -> mavlink.MAVLink_message:
+def battery_status(vehicle: VehicleState) -> mavlink.MAVLink_message:
     """BATTERY_STATUS."""
-    percent = v.battery_percent()
+    percent = vehicle.battery_percent()
     cell = _battery_mv(percent) // _CELLS
     voltages = [cell] * _CELLS + [0xFFFF] * (10 - _CELLS)
     return mavlink.MAVLink_battery_status_message(0, 0, 1, 2500, voltages, 1500, -1, -1, round(percent))
@@ -78,25 +75,25 @@ def _battery_mv(percent: float) -> int:
     return round(1000 * _CELLS * (_EMPTY_CELL_V + (_FULL_CELL_V - _EMPTY_CELL_V) * percent / 100.0))
 
 
-def system_time(v: "Vehicle") -> mavlink.MAVLink_message:
+def system_time(vehicle: VehicleState) -> mavlink.MAVLink_message:
     """SYSTEM_TIME; the time of day is unknown until there is a position."""
-    known = v.autopilot.ekf_ready or v.autopilot.airborne
-    return mavlink.MAVLink_system_time_message(v.unix_ms * 1000 if known else 0, v.boot_ms)
+    known = vehicle.autopilot.ekf_ready or vehicle.autopilot.airborne
+    return mavlink.MAVLink_system_time_message(vehicle.unix_ms * 1000 if known else 0, vehicle.boot_ms)
 
 
-def gps_raw_int(v: "Vehicle") -> mavlink.MAVLink_message:
+def gps_raw_int(vehicle: VehicleState) -> mavlink.MAVLink_message:
     """GPS_RAW_INT."""
-    e = v.estimate()
-    latitude, longitude = v.plane.degrees(e.east, e.north)
-    lost = v.autopilot.gps_lost_ms is not None
+    e = vehicle.estimate()
+    latitude, longitude = vehicle.plane.degrees(e.east, e.north)
+    lost = vehicle.autopilot.gps_lost_ms is not None
     fix, satellites, eph = (1, 3, 0xFFFF) if lost else (3, 14, 80)
     course = round(math.degrees(math.atan2(e.ve, e.vn)) % 360.0 * 100.0) % 36_000
     return mavlink.MAVLink_gps_raw_int_message(
-        v.boot_us,
+        vehicle.boot_us,
         fix,
         deg_e7(latitude),
         deg_e7(longitude),
-        round((v.plane.altitude_m + e.up) * 1000),
+        round((vehicle.plane.altitude_m + e.up) * 1000),
         eph,
         eph,
         min(round(math.hypot(e.ve, e.vn) * 100), 0xFFFE),
@@ -105,17 +102,17 @@ def gps_raw_int(v: "Vehicle") -> mavlink.MAVLink_message:
     )
 
 
-def global_position_int(v: "Vehicle") -> mavlink.MAVLink_message:
+def global_position_int(vehicle: VehicleState) -> mavlink.MAVLink_message:
     """GLOBAL_POSITION_INT."""
-    e = v.estimate()
-    latitude, longitude = v.plane.degrees(e.east, e.north)
-    home = v.autopilot.home
+    e = vehicle.estimate()
+    latitude, longitude = vehicle.plane.degrees(e.east, e.north)
+    home = vehicle.autopilot.home
     return mavlink.MAVLink_global_position_int_message(
-        v.boot_ms,
+        vehicle.boot_ms,
         deg_e7(latitude),
         deg_e7(longitude),
-        round((v.plane.altitude_m + e.up) * 1000),
-        round((e.up - (home[2] if home else v.pad[2])) * 1000),
+        round((vehicle.plane.altitude_m + e.up) * 1000),
+        round((e.up - (home[2] if home else vehicle.pad[2])) * 1000),
         round(e.vn * 100),
         round(e.ve * 100),
         round(-e.vu * 100),
@@ -123,30 +120,30 @@ def global_position_int(v: "Vehicle") -> mavlink.MAVLink_message:
     )
 
 
-def local_position_ned(v: "Vehicle") -> mavlink.MAVLink_message:
+def local_position_ned(vehicle: VehicleState) -> mavlink.MAVLink_message:
     """LOCAL_POSITION_NED, relative to the vehicle's own EKF origin."""
-    e = v.estimate()
-    east, north, up = v.ekf_origin
+    e = vehicle.estimate()
+    east, north, up = vehicle.ekf_origin
     x, vx = e.north - north, e.vn
-    if v.faults.is_active("nan"):
+    if vehicle.faults.is_active("nan"):
         x, vx = math.nan, math.inf
-    return mavlink.MAVLink_local_position_ned_message(v.boot_ms, x, e.east - east, up - e.up, vx, e.ve, -e.vu)
+    return mavlink.MAVLink_local_position_ned_message(vehicle.boot_ms, x, e.east - east, up - e.up, vx, e.ve, -e.vu)
 
 
-def gps_global_origin(v: "Vehicle") -> mavlink.MAVLink_message:
+def gps_global_origin(vehicle: VehicleState) -> mavlink.MAVLink_message:
     """GPS_GLOBAL_ORIGIN: the EKF origin."""
-    east, north, up = v.ekf_origin
-    latitude, longitude = v.plane.degrees(east, north)
-    altitude = round((v.plane.altitude_m + up) * 1000)
-    return mavlink.MAVLink_gps_global_origin_message(deg_e7(latitude), deg_e7(longitude), altitude, v.boot_us)
+    east, north, up = vehicle.ekf_origin
+    latitude, longitude = vehicle.plane.degrees(east, north)
+    altitude = round((vehicle.plane.altitude_m + up) * 1000)
+    return mavlink.MAVLink_gps_global_origin_message(deg_e7(latitude), deg_e7(longitude), altitude, vehicle.boot_us)
 
 
-def home_position(v: "Vehicle") -> mavlink.MAVLink_message:
+def home_position(vehicle: VehicleState) -> mavlink.MAVLink_message:
     """HOME_POSITION."""
-    home = v.autopilot.home or v.pad
-    origin = v.ekf_origin
-    latitude, longitude = v.plane.degrees(home[0], home[1])
-    altitude = round((v.plane.altitude_m + home[2]) * 1000)
+    home = vehicle.autopilot.home or vehicle.pad
+    origin = vehicle.ekf_origin
+    latitude, longitude = vehicle.plane.degrees(home[0], home[1])
+    altitude = round((vehicle.plane.altitude_m + home[2]) * 1000)
     return mavlink.MAVLink_home_position_message(
         deg_e7(latitude),
         deg_e7(longitude),
@@ -158,64 +155,64 @@ def home_position(v: "Vehicle") -> mavlink.MAVLink_message:
         0.0,
         0.0,
         0.0,
-        v.boot_us,
+        vehicle.boot_us,
     )
 
 
-def extended_sys_state(v: "Vehicle") -> mavlink.MAVLink_message:
+def extended_sys_state(vehicle: VehicleState) -> mavlink.MAVLink_message:
     """EXTENDED_SYS_STATE."""
-    if not v.autopilot.airborne:
+    if not vehicle.autopilot.airborne:
         landed = mavlink.MAV_LANDED_STATE_ON_GROUND
-    elif v.autopilot.flight.climbing:
+    elif vehicle.autopilot.flight.climbing:
         landed = mavlink.MAV_LANDED_STATE_TAKEOFF
     else:
         landed = mavlink.MAV_LANDED_STATE_IN_AIR
     return mavlink.MAVLink_extended_sys_state_message(0, landed)
 
 
-def ekf_status_report(v: "Vehicle") -> mavlink.MAVLink_message:
+def ekf_status_report(vehicle: VehicleState) -> mavlink.MAVLink_message:
     """EKF_STATUS_REPORT (ArduPilot)."""
-    flags, variance = _ekf(v)
+    flags, variance = _ekf(vehicle)
     return mavlink.MAVLink_ekf_status_report_message(flags, variance, variance, variance, variance, 0.0, 0.0)
 
 
-def estimator_status(v: "Vehicle") -> mavlink.MAVLink_message:
+def estimator_status(vehicle: VehicleState) -> mavlink.MAVLink_message:
     """ESTIMATOR_STATUS (PX4); its flags share their bits with EKF_STATUS_REPORT up to the tenth."""
-    flags, ratio = _ekf(v)
+    flags, ratio = _ekf(vehicle)
     if flags & mavlink.EKF_UNINITIALIZED:
         flags = 0
     return mavlink.MAVLink_estimator_status_message(
-        v.boot_us, flags, ratio, ratio, ratio, ratio, 0.0, 0.0, 0.3 if ratio < 1.0 else 20.0, 0.4
+        vehicle.boot_us, flags, ratio, ratio, ratio, ratio, 0.0, 0.0, 0.3 if ratio < 1.0 else 20.0, 0.4
     )
 
 
-def _ekf(v: "Vehicle") -> tuple[int, float]:
-    pilot = v.autopilot
-    if pilot.ekf_ready:
+def _ekf(vehicle: VehicleState) -> tuple[int, float]:
+    autopilot = vehicle.autopilot
+    if autopilot.ekf_ready:
         return _EKF_ALWAYS | _EKF_POSITION, _GOOD_VARIANCE
-    if pilot.ekf_bad:
+    if autopilot.ekf_bad:
         return _EKF_ALWAYS | mavlink.EKF_VELOCITY_HORIZ | mavlink.EKF_POS_HORIZ_REL, _BAD_VARIANCE
-    if pilot.gps_lost_ms is not None:
+    if autopilot.gps_lost_ms is not None:
         return _EKF_ALWAYS | mavlink.EKF_CONST_POS_MODE, _GOOD_VARIANCE
     return mavlink.EKF_UNINITIALIZED, 0.0
 
 
-def attitude(v: "Vehicle") -> mavlink.MAVLink_message:
+def attitude(vehicle: VehicleState) -> mavlink.MAVLink_message:
     """ATTITUDE: leans as the acceleration needs, nose to the north."""
-    body = v.autopilot.body
+    body = vehicle.autopilot.body
     roll, pitch = math.atan2(body.acceleration_e, 9.81), -math.atan2(body.acceleration_n, 9.81)
-    return mavlink.MAVLink_attitude_message(v.boot_ms, roll, pitch, 0.0, 0.0, 0.0, 0.0)
+    return mavlink.MAVLink_attitude_message(vehicle.boot_ms, roll, pitch, 0.0, 0.0, 0.0, 0.0)
 
 
-def vfr_hud(v: "Vehicle") -> mavlink.MAVLink_message:
+def vfr_hud(vehicle: VehicleState) -> mavlink.MAVLink_message:
     """VFR_HUD."""
-    e = v.estimate()
+    e = vehicle.estimate()
     speed = math.hypot(e.ve, e.vn)
-    throttle = 40 if v.autopilot.armed else 0
-    return mavlink.MAVLink_vfr_hud_message(speed, speed, 0, throttle, v.plane.altitude_m + e.up, e.vu)
+    throttle = 40 if vehicle.autopilot.armed else 0
+    return mavlink.MAVLink_vfr_hud_message(speed, speed, 0, throttle, vehicle.plane.altitude_m + e.up, e.vu)
 
 
-def autopilot_version(v: "Vehicle") -> mavlink.MAVLink_message:
+def autopilot_version(vehicle: VehicleState) -> mavlink.MAVLink_message:
     """AUTOPILOT_VERSION."""
     capabilities = (
         mavlink.MAV_PROTOCOL_CAPABILITY_PARAM_FLOAT
@@ -223,8 +220,8 @@ def autopilot_version(v: "Vehicle") -> mavlink.MAVLink_message:
         | mavlink.MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
         | mavlink.MAV_PROTOCOL_CAPABILITY_MAVLINK2
     )
-    major, minor = (1, 15) if isinstance(v.autopilot, Px4) else (4, 7)
+    major, minor = (1, 15) if isinstance(vehicle.autopilot, Px4) else (4, 7)
     none = (0,) * 8
     return mavlink.MAVLink_autopilot_version_message(
-        capabilities, major << 24 | minor << 16, 0, 0, 0, none, none, none, 0, 0, v.config.system
+        capabilities, major << 24 | minor << 16, 0, 0, 0, none, none, none, 0, 0, vehicle.config.system
     )

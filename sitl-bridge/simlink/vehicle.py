@@ -1,248 +1,33 @@
-"""One simulated vehicle: autopilot, body, faults and its MAVLink endpoint."""
-
-import math
-import random
-from typing import NamedTuple
+"""One simulated vehicle with its MAVLink messages."""
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from simlink import actions, modes, schedule
-from simlink.ardupilot import ArduPilot
+from simlink import schedule
 from simlink.autopilot import Emit
-from simlink.body import Body
 from simlink.config import FleetConfig, VehicleConfig
 from simlink.endpoint import Endpoint
-from simlink.faults import Fault, FaultPlan
-from simlink.float32 import f32
-from simlink.geodesy import Plane
-from simlink.ideal import IdealState
-from simlink.modes import Behaviour
 from simlink.protocol import Protocol
-from simlink.px4 import Px4
 from simlink.schedule import PX4_STREAMS, Schedule
-from simlink.setpoint import Kind
+from simlink.vehicle_state import VehicleState
 
 _POSITION_MESSAGES = (schedule.GLOBAL_POSITION_INT, schedule.LOCAL_POSITION_NED)
-_NOISE_TIME_S = 5.0
-_REBOOT_MS = 2_000
 
 
-class Estimate(NamedTuple):
-    """What the EKF believes: m and m/s east, north, up of the fleet's origin."""
-
-    east: float
-    north: float
-    up: float
-    ve: float
-    vn: float
-    vu: float
-
-
-class Vehicle:
-    """Fed with datagrams and time; says what to send. Owns no socket and no clock."""
+class Vehicle(VehicleState):
+    """Receives datagrams and time, returns frames to send. Owns no socket and no clock."""
 
     def __init__(self, config: VehicleConfig, fleet: FleetConfig, key: bytes | None, emit: Emit) -> None:
-        self.config = config
-        self.plane = Plane(fleet.origin.lat, fleet.origin.lon, fleet.origin.alt)
-        self._fleet = fleet
-        self._emit = emit
-        east, north = fleet.pad_m(config)
-        self.pad = (east, north, config.alt - fleet.origin.alt)
-        self.ideal = None
-        if fleet.dynamics == "ideal":
-            x, y = config.start_u or (east / fleet.scale.scale_m, north / fleet.scale.scale_m)
-            self.ideal = IdealState(fleet.scale, x, y)
-            self.pad = (*self.ideal.position_m(), self.pad[2])
-        body = Body(*self.pad, wind=fleet.wind)
-        px4 = config.dialect == "px4"
-        self.autopilot = (Px4 if px4 else ArduPilot)(body, self._report, fleet.ekf_ready_ms)
-        if fleet.guided_timeout_s is not None:
-            self.autopilot.parameters["COM_OF_LOSS_T" if px4 else "GUID_TIMEOUT"] = fleet.guided_timeout_s
-        self.autopilot.parameters["MAV_SYS_ID" if px4 else "MAV_SYSID"] = float(config.system)
-        self.schedule = Schedule(PX4_STREAMS if px4 else {})
+        super().__init__(config, fleet, emit)
+        self.schedule = Schedule(PX4_STREAMS if config.dialect == "px4" else {})
         self.endpoint = Endpoint(config.system, mavlink.MAV_COMP_ID_AUTOPILOT1, key)
         self.outbox: list[mavlink.MAVLink_message] = []
-        self.faults = FaultPlan([fault for fault in fleet.faults if fault.id == config.id])
-        self._protocol = Protocol(self)
-        self._random = random.Random(f"{fleet.seed}/{config.id}")
-        self._noise = [self._random.gauss(0.0, fleet.gps_noise_m) for _ in range(2)]
-        self._battery_percent, self._battery_ms = fleet.battery.percent, 0
-        self._boot_offset_ms = fleet.boot_ms
-        self._rebooting_until: int | None = None
-        self._frozen: Estimate | None = None
-        self._estimate: Estimate | None = None
-        self.t_ms = 0
+        self._protocol = Protocol(self, self.schedule, self.outbox)
         self.awaits_setpoint = False
         """Whether this tick's telemetry asks for a setpoint."""
 
-    # Clocks, all in ms
-
-    @property
-    def boot_ms(self) -> int:
-        """Since the autopilot started; wraps at 32 bits."""
-        return self.t_ms + self._boot_offset_ms & 0xFFFF_FFFF
-
-    @property
-    def boot_us(self) -> int:
-        """The same in µs, which does not wrap."""
-        return max(0, self.t_ms + self._boot_offset_ms) * 1000
-
-    @property
-    def unix_ms(self) -> int:
-        """Time of day."""
-        return self._fleet.unix_ms + self.t_ms
-
-    # What it knows
-
-    @property
-    def ekf_origin(self) -> tuple[float, float, float]:
-        """Where LOCAL_POSITION_NED is zero: the pad; in ideal flight the fleet's origin, so that nothing is rounded."""
-        return (0.0, 0.0, 0.0) if self.ideal else self.pad
-
-    def estimate(self) -> Estimate:
-        """What the EKF believes at this tick."""
-        if self._estimate is None:
-            body = self.autopilot.body
-            fresh = Estimate(
-                body.east + self._noise[0], body.north + self._noise[1], body.up, body.ve, body.vn, body.vu
-            )
-            if not self.faults.is_active("pose_frozen"):
-                self._frozen = None
-            elif self._frozen is None:
-                self._frozen = fresh
-            self._estimate = self._frozen or fresh
-        return self._estimate
-
-    def battery_percent(self) -> float:
-        """What is left, 0 to 100."""
-        minutes = self._fleet.battery.minutes
-        if minutes is None:
-            return self._battery_percent
-        return max(0.0, self._battery_percent - (self.t_ms - self._battery_ms) / 60_000.0 / minutes * 100.0)
-
-    # Time
-
-    def advance(self, t_ms: int) -> None:
-        """Lets time pass until `t_ms`, ms since the fleet began."""
-        dt_s = (t_ms - self.t_ms) / 1000.0
-        self.t_ms = t_ms
-        self._estimate = None
-        begun, ended = self.faults.advance(t_ms, self.autopilot.phase())
-        for kind in ended:
-            self._end_fault(kind)
-        for fault in begun:
-            self._begin_fault(fault)
-        if self._rebooting_until is not None and t_ms >= self._rebooting_until:
-            self._restart()
-        self._wander(dt_s)
-        behaviour = self.autopilot.mode.behaviour
-        down = behaviour in (Behaviour.RETURN, Behaviour.LAND) or not self.autopilot.armed
-        self.autopilot.advance(t_ms, self.ideal is None or down)
-        if self.ideal:
-            self._follow_body(self.ideal, down)
-
-    def _wander(self, dt_s: float) -> None:
-        sigma = self._fleet.gps_noise_m
-        if sigma:
-            keep = math.exp(-dt_s / _NOISE_TIME_S)
-            spread = sigma * math.sqrt(1.0 - keep * keep)
-            self._noise = [keep * n + self._random.gauss(0.0, spread) for n in self._noise]
-
-    # Ideal flight
-
-    def _follow_body(self, ideal: IdealState, down: bool) -> None:
-        body, scale_m = self.autopilot.body, self._fleet.scale.scale_m
-        if down and self.autopilot.airborne:
-            ideal.x, ideal.y = f32(body.east / scale_m), f32(body.north / scale_m)
-        if not self._acts():
-            ideal.stop()
-            if not down:
-                body.rest_horizontally()
-
-    def _acts(self) -> bool:
-        pilot = self.autopilot
-        return pilot.follows and pilot.airborne and pilot.flight.setpoint is not None
-
-    def step(self) -> None:
-        """A step boundary of an ideal flight: moves by what the last setpoint says."""
-        ideal, setpoint = self.ideal, self.autopilot.flight.setpoint
-        if ideal is None or setpoint is None or not self._acts():
-            return
-        scale = self._fleet.scale
-        if setpoint.has_acceleration:
-            ae, an, _ = setpoint.acceleration
-            ideal.act(actions.nearest(scale.acceleration_u(ae), scale.acceleration_u(an)))
-        elif setpoint.kind is Kind.VELOCITY:
-            ve, vn, _ = setpoint.velocity
-            ideal.coast_at(scale.velocity_u(ve), scale.velocity_u(vn))
-        else:
-            ideal.stop()
-        body, (east, north) = self.autopilot.body, ideal.position_m()
-        body.flown_m += math.hypot(east - body.east, north - body.north)
-        body.east, body.north = east, north
-        body.ve, body.vn = ideal.velocity_mps()
-        self._estimate = None
-
-    # Faults
-
-    def _begin_fault(self, fault: Fault) -> None:
-        self._emit("fault", id=self.config.id, kind=fault.kind, state="begins")
-        pilot = self.autopilot
-        match fault.kind:
-            case "gps_lost":
-                pilot.gps_lost_ms = self.t_ms
-            case "ekf_bad":
-                pilot.ekf_bad = True
-            case "clock_jump":
-                self._boot_offset_ms += fault.option
-            case "reboot":
-                self._rebooting_until = self.t_ms + (fault.for_ms or _REBOOT_MS)
-                pilot.disarm(force=True)
-            case "pilot_mode":
-                self.pilot_mode(fault.option)
-            case "battery_low":
-                self._battery_percent, self._battery_ms = fault.option, self.t_ms
-                pilot.say(4, "Battery 1 is low")
-            case "teleport":
-                self._teleport(*fault.option)
-            case "disarm":
-                pilot.disarm(force=True)
-
-    def _end_fault(self, kind: str) -> None:
-        self._emit("fault", id=self.config.id, kind=kind, state="ends")
-        if kind == "gps_lost":
-            self.autopilot.gps_lost_ms = None
-        elif kind == "ekf_bad":
-            self.autopilot.ekf_bad = False
-
-    def pilot_mode(self, name: str) -> None:
-        """The pilot's switch; ValueError when the autopilot has no such mode."""
-        mode = modes.by_name(self.autopilot.MODES, name)
-        if mode is None:
-            known = ", ".join(mode.name for mode in self.autopilot.MODES)
-            raise ValueError(f"vehicle {self.config.id} has no mode {name!r}; known: {known}")
-        self.autopilot.change_mode(mode, "pilot")
-
-    def _teleport(self, x_u: float, y_u: float) -> None:
-        body, scale_m = self.autopilot.body, self._fleet.scale.scale_m
-        body.east += x_u * scale_m
-        body.north += y_u * scale_m
-        if self.ideal:
-            self.ideal.x, self.ideal.y = f32(self.ideal.x + x_u), f32(self.ideal.y + y_u)
-
-    def _restart(self) -> None:
-        self._rebooting_until = None
-        self._boot_offset_ms = -self.t_ms
-        crashed = self.autopilot.crashed
-        self.autopilot.boot(self.t_ms)
-        self.autopilot.crashed = crashed
+    def on_reboot(self) -> None:
+        """Message intervals are those of a fresh start."""
         self.schedule.reset()
-        self._emit("reboot", id=self.config.id)
-
-    @property
-    def is_silent(self) -> bool:
-        """Neither sends nor takes anything."""
-        return self._rebooting_until is not None or self.faults.is_active("link_cut") or self.autopilot.crashed
 
     # Messages
 
@@ -252,7 +37,7 @@ class Vehicle:
         if self.is_silent:
             self.outbox.clear()
             return []
-        self.flush_texts()
+        self._protocol.flush_texts()
         frames = self.replies()
         stale = self.faults.is_active("pose_stale")
         for message in self.schedule.due(self.t_ms):
@@ -266,7 +51,7 @@ class Vehicle:
         return frames
 
     def receive(self, datagram: bytes) -> list[bytes]:
-        """Takes a datagram; returns the answers."""
+        """Handles a datagram; returns the frames of the answers."""
         if self.is_silent:
             return []
         for message in self.endpoint.unpack(datagram):
@@ -274,16 +59,7 @@ class Vehicle:
         return self.replies()
 
     def replies(self) -> list[bytes]:
-        """The frames of what waits in the outbox."""
+        """The frames of the messages in the outbox."""
         frames = [self.endpoint.pack(message) for message in self.outbox]
         self.outbox.clear()
         return frames
-
-    def flush_texts(self) -> None:
-        """Turns what the autopilot says into STATUSTEXT."""
-        for severity, text in self.autopilot.texts:
-            self.outbox.append(mavlink.MAVLink_statustext_message(severity, text.encode()[:50]))
-        self.autopilot.texts.clear()
-
-    def _report(self, event: str, **fields: object) -> None:
-        self._emit(event, id=self.config.id, **fields)

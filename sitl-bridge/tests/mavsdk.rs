@@ -70,7 +70,7 @@ fn mavsdk_and_the_bridge_understand_each_other() {
     let plain = messages.map(|message| encoder.encode(&message).expect("a frame"));
     let link = LinkSigning::new(Key::new([1; 32]), 3, Unsigned::Refuse);
     let mut session = Session::new();
-    let signed = plain.map(|frame| session.seal(&link, frame, Timestamp::now()).expect("a signed frame"));
+    let signed = plain.map(|frame| session.sign(&link, frame, Timestamp::now()).expect("a signed frame"));
     // This version of MAVSDK does not check signatures, but it reads signed frames. Its first
     // frame, the heartbeat, is always plain, as the peer takes its length for granted.
     for frames in [plain, [plain[0], signed[1], signed[2], signed[3]]] {

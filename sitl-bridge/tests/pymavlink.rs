@@ -108,9 +108,9 @@ fn the_bridge_believes_what_pymavlink_signs() {
     assert_eq!(found.len(), 21);
     let mut session = Session::new();
     for frame in &found {
-        assert_eq!(session.check(&link([1; 32]), frame, NOW), Err(Rejected::WrongKey));
-        assert_eq!(session.check(&link(KEY), frame, NOW), Ok(()));
-        assert_eq!(session.check(&link(KEY), frame, NOW), Err(Rejected::Replayed));
+        assert_eq!(session.verify(&link([1; 32]), frame, NOW), Err(Rejected::WrongKey));
+        assert_eq!(session.verify(&link(KEY), frame, NOW), Ok(()));
+        assert_eq!(session.verify(&link(KEY), frame, NOW), Err(Rejected::Replayed));
     }
 }
 
@@ -160,7 +160,7 @@ fn pymavlink_believes_what_the_bridge_signs() {
     let (mut session, link_of_ours) = (Session::new(), link(KEY));
     let unsigned = ours(Version::V2);
     let signed: Vec<_> =
-        unsigned.iter().map(|f| session.seal(&link_of_ours, *f, NOW).expect("a signed frame")).collect();
+        unsigned.iter().map(|f| session.sign(&link_of_ours, *f, NOW).expect("a signed frame")).collect();
     let bytes = |frames: &[Frame]| frames.iter().flat_map(|f| f.bytes().to_vec()).collect::<Vec<u8>>();
     let key = key_args();
     let args = with_key("decode", &key);
@@ -172,7 +172,7 @@ fn pymavlink_believes_what_the_bridge_signs() {
     }
     // It refuses what we refuse: no signature, another key, a replay.
     let mut wrong = Session::new();
-    let forged = wrong.seal(&link([1; 32]), unsigned[0], NOW).expect("a signed frame");
+    let forged = wrong.sign(&link([1; 32]), unsigned[0], NOW).expect("a signed frame");
     for refused in [&[unsigned[0]][..], &[forged]] {
         let read = lines(&peer(&args, &bytes(refused)));
         assert!(read.iter().all(|m| m["type"] == "BAD_DATA"), "{read:?}");

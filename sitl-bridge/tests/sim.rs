@@ -4,8 +4,8 @@
 use covey_env::Scenario;
 use firmware_core::actor::Actor;
 use serde_json::json;
-use sitl_bridge::commands::{Simulation, WorldFlight};
 use sitl_bridge::signing::{Key, LinkSigning, Unsigned};
+use sitl_bridge::simulation::{Simulation, WorldFlight};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 

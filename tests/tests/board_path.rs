@@ -7,7 +7,7 @@ use firmware_core::action::Action;
 use firmware_core::actor::{Actor, Feature, Logits, Mode, NeighbourFeature};
 use firmware_core::geometry::{COMMUNICATION_RANGE_U, SPEED_CAP_U, State, TICKS_PER_U, Vec2};
 use firmware_core::message::{self, Beacon, Header, MAX_LEN, Message};
-use firmware_core::neighbour_table::{DEFAULT_STEP_MS, MAX_AGE_STEPS, Moment, NeighbourTable, PolicyId};
+use firmware_core::neighbour_table::{DEFAULT_STEP_MS, MAX_AGE_STEPS, Moment, NeighbourTable};
 use firmware_core::observation::{MAX_NEIGHBOURS, Neighbours, Observation, Scene, observe};
 use std::path::Path;
 
@@ -41,7 +41,7 @@ struct Board<'a> {
 
 impl<'a> Board<'a> {
     fn new(id: u16, actor: Actor<'a>) -> Self {
-        let table = NeighbourTable::new(id, PolicyId::of(&actor), DEFAULT_STEP_MS);
+        let table = NeighbourTable::new(id, actor.policy_id(), DEFAULT_STEP_MS);
         let observation = [0; _];
         let feature = actor.encode(&observation);
         let (own, now) = (State::default(), Moment::default());
@@ -76,7 +76,7 @@ impl<'a> Board<'a> {
         let scene = Scene { id: self.id, own: self.own, tie: self.tie(), half_side, neighbours: &self.view };
         self.observation = observe(&scene, pois.iter().copied());
         self.feature = self.actor.encode(&self.observation);
-        let message = message::Feature::of(self.header(), self.degree(), &self.actor, &self.feature)?;
+        let message = message::FeatureMessage::from_actor(self.header(), self.degree(), &self.actor, &self.feature)?;
         Some(bytes(&Message::Feature(message)))
     }
 

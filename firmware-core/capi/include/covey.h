@@ -146,6 +146,31 @@ int32_t covey_decide(const covey_actor *actor, const covey_feature *own, uint8_t
                      int32_t mode, uint64_t seed, uint16_t id, uint32_t step,
                      covey_decision *decision);
 
+/* The map in flight, the same on every UAV of the swarm. */
+typedef struct covey_map {
+    int32_t lat_e7;              /* its south-west corner, 1e-7 degrees, as in GLOBAL_POSITION_INT: within 80 degrees north and south, */
+    int32_t lon_e7;              /* and a degree or more from the date line */
+    double unit_m;               /* metres in a map unit */
+    uint16_t step_ms;            /* milliseconds in a step */
+} covey_map;
+
+/* The position on the map of a latitude and longitude in 1e-7 degrees, for covey_scene; COVEY_ARGUMENT for a map that cannot be, or a
+ * place more than 20 km from its corner. The earth is taken as flat around the corner, with ArduPilot's metres per degree. */
+int32_t covey_map_position(const covey_map *map, int32_t lat_e7, int32_t lon_e7, covey_vec2 *position);
+
+/* Latitude and longitude (1e-7 degrees, to the nearest) of a position on the map. */
+int32_t covey_map_degrees(const covey_map *map, covey_vec2 position, int32_t *lat_e7, int32_t *lon_e7);
+
+/* A velocity in m/s as ticks per step, for covey_scene; COVEY_ARGUMENT for a map that cannot be, or numbers that are not finite. */
+int32_t covey_map_velocity(const covey_map *map, float east_mps, float north_mps, covey_vec2 *velocity);
+
+/* Where a velocity or setpoint points: radians clockwise from north, 0 to 2 pi, within 0.0029 of the exact angle; -1 for a vector without
+ * length, or not finite: keep the heading then. The unit does not matter. */
+float covey_heading_rad(float east, float north);
+
+/* The same in hundredths of a degree, 0 to 35999, as MAVLink's hdg; -1 when there is none. */
+int32_t covey_heading_cdeg(float east, float north);
+
 /* What a status means, in English. Never NULL. */
 const char *covey_status_text(int32_t status);
 

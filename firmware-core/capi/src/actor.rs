@@ -1,6 +1,6 @@
 //! Loading an actor, and from an observation to an action.
 
-use crate::slice;
+use crate::slice::slice;
 use crate::status::Status;
 use core::mem::MaybeUninit;
 use firmware_core::action::ACTIONS;

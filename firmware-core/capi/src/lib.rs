@@ -1,8 +1,4 @@
-//! Covey's actor for C and C++ flight software.
-//!
-//! `include/covey.h` is the interface and describes it, `docs/c-api.md` how to build and use
-//! it. It is the only place around the actor with `unsafe`: pointers from C become references
-//! here.
+#![doc = include_str!("../README.md")]
 #![no_std]
 #![deny(missing_docs)]
 
@@ -20,25 +16,17 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
 }
 
 mod actor;
+mod navigation;
 mod scene;
+mod slice;
 mod status;
 
 pub use actor::{
     CoveyActor, CoveyDecision, CoveyFeature, CoveyNeighbourFeature, covey_content_hash, covey_decide, covey_encode,
     covey_feature_width, covey_load, covey_message_hash, covey_self_test, covey_signature, covey_tie_breaker,
 };
+pub use navigation::{
+    CoveyMap, covey_heading_cdeg, covey_heading_rad, covey_map_degrees, covey_map_position, covey_map_velocity,
+};
 pub use scene::{CoveyNeighbour, CoveyScene, CoveyVec2, CoveyView, covey_observe};
 pub use status::{Status, covey_status_text};
-
-/// A slice from C.
-///
-/// # Safety
-/// `data` is NULL, or valid for `count` items for as long as the slice is used.
-unsafe fn slice<'a, T>(data: *const T, count: usize) -> Option<&'a [T]> {
-    match count {
-        0 => Some(&[]),
-        _ if data.is_null() => None,
-        // SAFETY: not NULL, and valid for `count` items by this function's contract.
-        _ => Some(unsafe { core::slice::from_raw_parts(data, count) }),
-    }
-}

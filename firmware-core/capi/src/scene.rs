@@ -1,6 +1,6 @@
 //! From what a UAV knows to its observation.
 
-use crate::slice;
+use crate::slice::slice;
 use crate::status::Status;
 use firmware_core::geometry::{State, Vec2};
 use firmware_core::observation::{LEN, MAX_NEIGHBOURS, Neighbour, Neighbours, Scene, observe};
@@ -88,7 +88,7 @@ pub unsafe extern "C" fn covey_observe(scene: *const CoveyScene, view: *mut Cove
     let mut neighbours = Neighbours::new();
     for n in around.iter().filter(|n| n.id != scene.id) {
         let offset = Vec2::from(n.position) - own.position;
-        neighbours.offer(Neighbour { id: n.id, offset, velocity: n.velocity.into(), tie: n.tie });
+        neighbours.insert(Neighbour { id: n.id, offset, velocity: n.velocity.into(), tie: n.tie });
     }
     let CoveyScene { id, tie, half_side, .. } = *scene;
     view.observation =

@@ -5,6 +5,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define NUMBER(what) printf(#what " %ld\n", (long)(what))
 #define FIELD(type, field) printf(#type "." #field " %zu\n", offsetof(type, field))
@@ -36,6 +37,9 @@ static void layout(void) {
     FIELD(covey_neighbour_feature, attended);
     NUMBER(sizeof(covey_decision));
     FIELD(covey_decision, action);
+    NUMBER(sizeof(covey_map));
+    FIELD(covey_map, unit_m);
+    FIELD(covey_map, step_ms);
     NUMBER(COVEY_OBSERVATION);
     NUMBER(COVEY_FEATURE);
     NUMBER(COVEY_NEIGHBOURS);
@@ -64,6 +68,32 @@ static void layout(void) {
     NUMBER(COVEY_ARGMAX);
 }
 
+static void navigation(void) {
+    covey_map map = {473977418, 85455939, 2.5, 2000};
+    covey_vec2 position = {0, 0}, velocity = {0, 0};
+    int32_t lat = 0, lon = 0;
+    for (int i = 0; i < 5; i++) {
+        NUMBER(covey_map_position(&map, map.lat_e7 + 9001 * i, map.lon_e7 - 12345 * i, &position));
+        printf("position %ld %ld\n", (long)position.x, (long)position.y);
+        NUMBER(covey_map_degrees(&map, position, &lat, &lon));
+        printf("degrees %ld %ld\n", (long)lat, (long)lon);
+        NUMBER(covey_map_velocity(&map, 1.25f * (float)i, -0.7f, &velocity));
+        printf("velocity %ld %ld\n", (long)velocity.x, (long)velocity.y);
+        float heading = covey_heading_rad((float)(i - 2), 0.75f);
+        uint32_t bits;
+        memcpy(&bits, &heading, sizeof bits);
+        printf("heading %08" PRIx32 " %ld\n", bits, (long)covey_heading_cdeg((float)(i - 2), 0.75f));
+    }
+    NUMBER(covey_heading_cdeg(0, 0));
+    NUMBER(covey_heading_rad(0, 0));
+    NUMBER(covey_map_position(&map, 0, 0, &position));
+    NUMBER(covey_map_position(NULL, 0, 0, &position));
+    NUMBER(covey_map_degrees(&map, position, &lat, NULL));
+    map.unit_m = 0;
+    NUMBER(covey_map_degrees(&map, position, &lat, &lon));
+    NUMBER(covey_map_velocity(&map, 1, 1, &velocity));
+}
+
 static uint8_t file[1 << 17];
 
 int main(int argc, char **argv) {
@@ -76,6 +106,7 @@ int main(int argc, char **argv) {
     size_t length = fread(file, 1, sizeof file, in);
     fclose(in);
     layout();
+    navigation();
 
     /* Every way to be early. */
     covey_view view;

@@ -1,7 +1,10 @@
 //! One number that says "still the same function".
 
-use super::file::Fnv;
-use super::{ActorInput, MAX_DEGREE, MAX_FEATURE, NeighbourFeature, QuantisedActor, sample};
+use super::feature::{MAX_DEGREE, MAX_FEATURE, NeighbourFeature};
+use super::input_layer::ActorInput;
+use super::quantised::QuantisedActor;
+use super::softmax::sample;
+use crate::hash::Fnv1a;
 use crate::observation::MAX_NEIGHBOURS;
 use rand_xoshiro::Xoshiro128PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
@@ -12,7 +15,7 @@ pub const FINGERPRINT_CASES: u32 = 10_000;
 /// A fingerprint in progress: cases are added one by one, so that a slow target can
 /// report progress and feed a watchdog.
 pub struct Fingerprint {
-    hash: Fnv,
+    hash: Fnv1a,
     case: u32,
     /// The neighbours' features of a case, kept here because they are much for a stack.
     features: [[i8; MAX_FEATURE]; MAX_NEIGHBOURS],
@@ -28,7 +31,7 @@ impl Fingerprint {
     /// No case yet.
     #[must_use]
     pub const fn new() -> Self {
-        Self { hash: Fnv::new(), case: 0, features: [[0; MAX_FEATURE]; MAX_NEIGHBOURS] }
+        Self { hash: Fnv1a::new(), case: 0, features: [[0; MAX_FEATURE]; MAX_NEIGHBOURS] }
     }
 
     /// Adds the next fixed neighbourhood: a pseudo-random observation with 0 to 16

@@ -1,14 +1,14 @@
 //! The first layer of an actor: it depends on what the actor observes.
 
-use super::layer::{Activations, Layer, LayerError, MAX_COLUMNS, MAX_ROWS, Rectified};
+use super::layer::{Activations, Layer, LayerError, MAX_INPUTS, MAX_ROWS, Rectified};
 use crate::observation::cells::{self, Cells, MAX_ACTIVE, VELOCITY};
-use crate::observation::{Form, LEN, Observation};
+use crate::observation::{BuildObservation, LEN, Observation};
 use core::fmt::Debug;
 use rand_xoshiro::Xoshiro128PlusPlus;
 use rand_xoshiro::rand_core::Rng;
 
 /// A form of the observation that an actor can fly with.
-pub trait ActorInput: Form {
+pub trait ActorInput: BuildObservation {
     /// The first layer, read in place.
     type First<'a>: Copy + Debug + Send + Sync;
     /// The length, for people.
@@ -54,7 +54,7 @@ impl ActorInput for Observation {
 
     #[inline]
     fn apply(&self, first: &Layer<'_>, out: &mut [i16]) {
-        let mut x = Activations::<MAX_COLUMNS>::zero();
+        let mut x = Activations::<MAX_INPUTS>::zero();
         for (x, &o) in x.0.iter_mut().zip(self) {
             *x = i16::from(o);
         }
@@ -162,7 +162,7 @@ impl ActorInput for Cells {
             &[_, x, y, ref ones @ ..] => {
                 Self::new([x as i8, y as i8], ones.as_chunks().0.iter().map(|&b| u16::from_le_bytes(b)))
             }
-            _ => Self::BLANK,
+            _ => Self::ZERO,
         }
     }
 
@@ -184,7 +184,7 @@ impl ActorInput for Cells {
     }
 }
 
-const _: () = assert!(LEN <= MAX_COLUMNS && MAX_ROWS.is_multiple_of(BLOCK));
+const _: () = assert!(LEN <= MAX_INPUTS && MAX_ROWS.is_multiple_of(BLOCK));
 
 #[cfg(test)]
 mod tests {

@@ -5,7 +5,7 @@ use crate::kernel::{self, Dense, Finish};
 /// Greatest number of rows of a layer.
 pub const MAX_ROWS: usize = 128;
 /// Greatest number of columns of a layer (the observation is the longest input).
-pub const MAX_COLUMNS: usize = 160;
+pub const MAX_INPUTS: usize = 160;
 /// Greatest magnitude of a bias. With 160 columns of int8 products the biased sum
 /// stays below 2²³ + 2²⁴ < 2²⁵.
 pub const MAX_BIAS: i32 = 1 << 24;
@@ -117,4 +117,4 @@ fn words(words: &[[u8; 4]]) -> impl Iterator<Item = i32> + '_ {
     words.iter().map(|word| i32::from_le_bytes(*word))
 }
 
-const _: () = assert!(MAX_COLUMNS <= kernel::MAX_COLUMNS);
+const _: () = assert!(MAX_INPUTS <= kernel::MAX_COLUMNS);

@@ -5,7 +5,10 @@
 //! number k of neighbours (u8, at most 16), k times [degree (u8), attention_source score (i16
 //! little-endian), feature (int8 × feature width)], and 17 logits (i16 little-endian).
 
-use super::{ActorInput, Logits, MAX_DEGREE, NeighbourFeature, QuantisedActor};
+use super::feature::{MAX_DEGREE, NeighbourFeature};
+use super::input_layer::ActorInput;
+use super::quantised::QuantisedActor;
+use super::softmax::Logits;
 use crate::action::ACTIONS;
 use crate::observation::{MAX_NEIGHBOURS, Observation};
 use core::marker::PhantomData;

@@ -4,7 +4,7 @@ use super::limits::Limits;
 
 /// How the vehicle's clock went since the last tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Passage {
+pub(super) enum ClockStep {
     /// As it should.
     Steady,
     /// Back, by more than messages out of order explain.
@@ -23,31 +23,31 @@ pub(super) struct VehicleClock {
 
 impl VehicleClock {
     /// Takes in both clocks.
-    pub fn advance(&mut self, now_ms: Option<u32>, wall_ms: u32, limits: &Limits) -> Passage {
+    pub fn advance(&mut self, now_ms: Option<u32>, wall_ms: u32, limits: &Limits) -> ClockStep {
         let waited_ms = self.silence_ms(wall_ms);
         let Some(now) = now_ms else {
             self.advanced_wall_ms.get_or_insert(wall_ms);
-            return Passage::Steady;
+            return ClockStep::Steady;
         };
-        let passage = match self.now_ms {
-            None => Passage::Steady,
+        let outcome = match self.now_ms {
+            None => ClockStep::Steady,
             Some(last) => {
                 let step = now.wrapping_sub(last).cast_signed();
                 if step <= 0 && step.unsigned_abs() <= limits.reorder_ms {
                     self.advanced_wall_ms.get_or_insert(wall_ms);
-                    return Passage::Steady;
+                    return ClockStep::Steady;
                 }
                 let step_ms = step.unsigned_abs();
                 let slipped = limits.real_time && step_ms > limits.clock_slip_ms.saturating_add(waited_ms);
                 match step {
-                    ..0 => Passage::Back,
-                    _ if slipped || step_ms > limits.max_gap_ms => Passage::Ahead,
-                    _ => Passage::Steady,
+                    ..0 => ClockStep::Back,
+                    _ if slipped || step_ms > limits.max_gap_ms => ClockStep::Ahead,
+                    _ => ClockStep::Steady,
                 }
             }
         };
         (self.now_ms, self.advanced_wall_ms) = (Some(now), Some(wall_ms));
-        passage
+        outcome
     }
 
     /// The vehicle's time; nothing before the first. In real time it is taken to go on while nothing is heard.

@@ -1,6 +1,13 @@
 //! One number that says "still the same gate", on every target.
 
-use super::{Circle, Fence, Gate, Inputs, Limits, Measured, Mode, Proposal, Request, SwarmLoss, Vector, Verdict};
+use super::circle::Circle;
+use super::geofence::Geofence;
+use super::inputs::{FlightMode, Inputs, Measured, Proposal, Request};
+use super::limits::{Limits, SwarmLoss};
+use super::safety_gate::Gate;
+use super::vector::Vector;
+use super::verdict::Verdict;
+use crate::hash::Fnv1a;
 use rand_xoshiro::Xoshiro128PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
@@ -13,17 +20,19 @@ pub const FINGERPRINT_TICKS: u32 = 20_000;
 #[must_use]
 pub fn fingerprint(ticks: u32) -> u64 {
     let corners = [(0, 0), (180, 0), (180, 80), (80, 90), (70, 180), (0, 150)];
-    let fence = Fence::polygon(&corners.map(|(east, north)| Vector::new(east * 1000, north * 1000)));
+    let fence = Geofence::polygon(&corners.map(|(east, north)| Vector::new(east * 1000, north * 1000)));
     let circle = Circle { centre: Vector::new(60_000, 60_000), radius_mm: 110_000 };
     let limits = Limits { swarm_loss: SwarmLoss::Hold, real_time: false, ..Limits::default() };
     let gate = fence.and_then(|fence| fence.and_circle(circle)).ok().and_then(|fence| Gate::new(limits, fence).ok());
     let Some(mut gate) = gate else { return 0 };
     let mut flight = Flight::new();
-    (0..ticks).fold(0xcbf2_9ce4_8422_2325, |hash, _| {
+    let mut hash = Fnv1a::new();
+    for _ in 0..ticks {
         let verdict = gate.tick(flight.next());
         flight.follow(&verdict);
-        digest(hash, &verdict)
-    })
+        add(&mut hash, &verdict);
+    }
+    hash.finish()
 }
 
 /// A vehicle that follows, and everything that happens to it.
@@ -96,7 +105,7 @@ impl Flight {
         i.sources_disagree = kept(fault == 8, i.sources_disagree);
         i.ekf_ok = !kept(fault == 9, !i.ekf_ok);
         i.gps_fix = if kept(fault == 10, i.gps_fix == Some(1)) { Some(1) } else { Some(4) };
-        i.mode = if kept(fault == 11, i.mode == Mode::Other) { Mode::Other } else { Mode::Guided };
+        i.mode = if kept(fault == 11, i.mode == FlightMode::Other) { FlightMode::Other } else { FlightMode::Guided };
         i.armed = fault != 12;
         i.airborne = !kept(fault == 13, !i.airborne);
         i.battery_permille = if kept(fault == 14, i.battery_permille == Some(100)) { Some(100) } else { Some(700) };
@@ -121,8 +130,8 @@ impl Flight {
     }
 }
 
-/// FNV-1a over 32-bit words.
-fn digest(hash: u64, verdict: &Verdict) -> u64 {
+/// Adds a verdict in words of 32 bits.
+fn add(hash: &mut Fnv1a, verdict: &Verdict) {
     let kind = match verdict {
         Verdict::Silent(_) => 0,
         Verdict::BringUp(_) => 1,
@@ -146,5 +155,5 @@ fn digest(hash: u64, verdict: &Verdict) -> u64 {
         setpoint.acceleration.north.cast_unsigned(),
         setpoint.altitude_mm.cast_unsigned(),
     ];
-    words.into_iter().fold(hash, |hash, word| (hash ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3))
+    words.into_iter().for_each(|word| hash.write_word(word));
 }

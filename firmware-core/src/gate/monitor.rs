@@ -1,20 +1,20 @@
-//! Watches the inputs for everything that can be wrong with the vehicle, its link and its telemetry.
+//! Monitors the inputs for everything that can be wrong with the vehicle, its link and its telemetry.
 
 use super::clock::age_ms;
-use super::fence::Fence;
-use super::inputs::{Inputs, Measured, Mode};
+use super::debounce::Debounce;
+use super::geofence::Geofence;
+use super::inputs::{FlightMode, Inputs, Measured};
 use super::limits::{Limits, SwarmLoss};
 use super::reason::Reason;
 use super::vector::{POSITION_LIMIT_MM, RATE_LIMIT, Vector};
-use super::watch::Watch;
 
 /// A vehicle that moves or should move at this speed cannot stay in one place, mm/s.
 const MOVING_MM_S: u32 = 500;
 /// Farther than this from where it was, it has moved, mm: more than the grain of any telemetry (11 mm).
 const MOVED_MM: u32 = 50;
 
-/// One tick, as the watches see it.
-pub(super) struct Tick<'a> {
+/// What the monitor looks at in one tick.
+pub(super) struct MonitorInputs<'a> {
     pub inputs: &'a Inputs,
     pub now_ms: u32,
     /// For how long the vehicle's clock has stood still by the own computer's clock, ms.
@@ -22,24 +22,24 @@ pub(super) struct Tick<'a> {
     /// Velocity that was last sent and still counts, mm/s.
     pub commanded: Vector,
     pub limits: &'a Limits,
-    pub fence: &'a Fence,
+    pub fence: &'a Geofence,
 }
 
-/// Everything that is watched.
+/// Every condition that is monitored.
 #[derive(Clone, Debug)]
 pub(super) struct Monitor {
-    link: Watch,
-    heartbeat: Watch,
-    stale: Watch,
-    refused: Watch,
-    ekf: Watch,
-    gps: Watch,
-    sources: Watch,
-    frozen: Watch,
-    jumped: Watch,
-    altitude: Watch,
-    battery: Watch,
-    grounded: Watch,
+    link: Debounce,
+    heartbeat: Debounce,
+    stale: Debounce,
+    refused: Debounce,
+    ekf: Debounce,
+    gps: Debounce,
+    sources: Debounce,
+    frozen: Debounce,
+    jumped: Debounce,
+    altitude: Debounce,
+    battery: Debounce,
+    grounded: Debounce,
     outside: Option<u32>,
     fence_stuck: bool,
     undecided: bool,
@@ -54,18 +54,18 @@ impl Monitor {
     /// Nothing is known to be well yet.
     pub const fn new() -> Self {
         Self {
-            link: Watch::RAISED,
-            heartbeat: Watch::RAISED,
-            stale: Watch::RAISED,
-            refused: Watch::CLEAR,
-            ekf: Watch::RAISED,
-            gps: Watch::RAISED,
-            sources: Watch::CLEAR,
-            frozen: Watch::CLEAR,
-            jumped: Watch::CLEAR,
-            altitude: Watch::CLEAR,
-            battery: Watch::CLEAR,
-            grounded: Watch::CLEAR,
+            link: Debounce::RAISED,
+            heartbeat: Debounce::RAISED,
+            stale: Debounce::RAISED,
+            refused: Debounce::CLEAR,
+            ekf: Debounce::RAISED,
+            gps: Debounce::RAISED,
+            sources: Debounce::CLEAR,
+            frozen: Debounce::CLEAR,
+            jumped: Debounce::CLEAR,
+            altitude: Debounce::CLEAR,
+            battery: Debounce::CLEAR,
+            grounded: Debounce::CLEAR,
             outside: None,
             fence_stuck: false,
             undecided: true,
@@ -77,10 +77,10 @@ impl Monitor {
     }
 
     /// Takes in a tick.
-    pub fn update(&mut self, tick: &Tick<'_>) {
-        let Tick { inputs, now_ms: now, limits, .. } = *tick;
+    pub fn update(&mut self, tick: &MonitorInputs<'_>) {
+        let MonitorInputs { inputs, now_ms: now, limits, .. } = *tick;
         let (confirm, clear) = (limits.confirm_ms, limits.clear_ms);
-        let state = inputs.state.filter(is_sane);
+        let state = inputs.state.filter(is_in_range);
         let no_gps = limits.least_gps_fix > 0 && inputs.gps_fix.is_none_or(|fix| fix < limits.least_gps_fix);
         let low = inputs.battery_permille.is_some_and(|left| left <= limits.battery_permille);
 
@@ -99,17 +99,17 @@ impl Monitor {
         self.undecided = is_older(decided, now, limits.decision_ms);
         self.swarm_lost = limits.swarm_loss == SwarmLoss::Hold && is_older(inputs.swarm_ms, now, limits.swarm_ms);
         if let Some(state) = state {
-            self.place(&state, tick);
+            self.check_motion(&state, tick);
         }
     }
 
     /// What is wrong with where the vehicle is.
-    fn place(&mut self, state: &Measured, tick: &Tick<'_>) {
-        let Tick { now_ms: now, limits, .. } = *tick;
-        self.jumped.update(self.leapt(state, limits), now, 0, limits.clear_ms);
+    fn check_motion(&mut self, state: &Measured, tick: &MonitorInputs<'_>) {
+        let MonitorInputs { now_ms: now, limits, .. } = *tick;
+        self.jumped.update(self.jumped_too_far(state, limits), now, 0, limits.clear_ms);
         self.last = Some(*state);
 
-        let standing = self.stands(state, tick);
+        let standing = self.is_frozen(state, tick);
         self.frozen.update(standing, now, 0, limits.clear_ms);
 
         let depth = tick.fence.depth_mm(state.position);
@@ -129,7 +129,7 @@ impl Monitor {
     }
 
     /// Whether the vehicle moved farther since the last measurement than it can fly.
-    fn leapt(&self, state: &Measured, limits: &Limits) -> bool {
+    fn jumped_too_far(&self, state: &Measured, limits: &Limits) -> bool {
         let (Some(last), Some(slack)) = (self.last, limits.jump_mm) else { return false };
         let passed_ms = u64::from(age_ms(state.time_ms, last.time_ms));
         // Half more than its greatest speed, for wind and overshoot.
@@ -140,7 +140,7 @@ impl Monitor {
 
     /// Whether the position has stood still for too long, by the times of the measurements: one that is only old
     /// tells nothing about that. Once it does, only moving shows the opposite.
-    fn stands(&mut self, state: &Measured, tick: &Tick<'_>) -> bool {
+    fn is_frozen(&mut self, state: &Measured, tick: &MonitorInputs<'_>) -> bool {
         let Some(frozen_ms) = tick.limits.frozen_ms else { return false };
         let (place, since) = *self.anchor.get_or_insert((state.position, state.time_ms));
         let moved = !(state.position - place).within(MOVED_MM);
@@ -203,8 +203,8 @@ impl Monitor {
 }
 
 /// Whether the heartbeat tells of a mode that takes setpoints.
-pub(super) const fn is_guided(mode: Mode) -> bool {
-    matches!(mode, Mode::Guided)
+pub(super) const fn is_guided(mode: FlightMode) -> bool {
+    matches!(mode, FlightMode::Guided)
 }
 
 fn first<const N: usize>(causes: [(bool, Reason); N]) -> Option<Reason> {
@@ -217,7 +217,7 @@ fn is_older(then_ms: Option<u32>, now_ms: u32, limit_ms: u32) -> bool {
 }
 
 /// Whether every number is one that the gate computes with.
-fn is_sane(state: &Measured) -> bool {
+fn is_in_range(state: &Measured) -> bool {
     state.position.clamped(POSITION_LIMIT_MM) == state.position
         && state.velocity.clamped(RATE_LIMIT) == state.velocity
         && state.altitude_mm.unsigned_abs() <= POSITION_LIMIT_MM.unsigned_abs()

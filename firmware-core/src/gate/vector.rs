@@ -104,7 +104,7 @@ pub(super) struct Unit {
 impl Unit {
     /// The direction of an offset (components up to 2·[`POSITION_LIMIT_MM`]) and its length, mm; nothing of no
     /// offset.
-    pub fn of(east: i64, north: i64) -> Option<(Self, i64)> {
+    pub fn new(east: i64, north: i64) -> Option<(Self, i64)> {
         let squared = (east * east + north * north).unsigned_abs();
         // Short offsets get a finer length: below 1 km in 1024ths of a mm.
         let shift = if squared < 1 << 40 { 10 } else { 0 };
@@ -145,6 +145,11 @@ impl Unit {
     }
 }
 
+/// `a - b`, without saturation.
+pub(super) fn difference(a: Vector, b: Vector) -> (i64, i64) {
+    (i64::from(a.east) - i64::from(b.east), i64::from(a.north) - i64::from(b.north))
+}
+
 /// `v · numerator / denominator`, rounded toward zero, kept in 32 bits.
 fn scale(v: i32, numerator: u32, denominator: NonZeroU64) -> i32 {
     let q = u64::from(v.unsigned_abs()) * u64::from(numerator) / denominator;
@@ -183,12 +188,12 @@ mod tests {
     #[test]
     fn a_direction_has_unit_length_near_and_far() {
         for (e, n) in [(1, 0), (1, 1), (-3, 4), (999_999, 1), (100_000_000, -200_000_000)] {
-            let (unit, length) = Unit::of(e, n).unwrap();
+            let (unit, length) = Unit::new(e, n).unwrap();
             assert_eq!(length, ((e * e + n * n) as u64).isqrt() as i64);
             let v = unit.times(10_000);
             assert!((9_995..=10_001).contains(&v.length()), "{e} {n} {v:?}");
             assert!((unit.along(v) - 10_000).abs() <= 6);
         }
-        assert_eq!(Unit::of(0, 0), None);
+        assert_eq!(Unit::new(0, 0), None);
     }
 }

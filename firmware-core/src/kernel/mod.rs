@@ -30,66 +30,12 @@
 //!
 //! Larger values wrap, the same way on every target; nothing panics.
 
+mod apply;
+mod dense;
+mod finish;
 pub mod portable;
 #[cfg(smlad)]
 mod smlad;
 
-#[cfg(not(smlad))]
-use portable as fastest;
-#[cfg(smlad)]
-use smlad as fastest;
-
-/// The most columns a layer may have; see the overflow bounds of this module.
-pub const MAX_COLUMNS: usize = 511;
-
-/// [`Finish::Wide`] shifts the sum left by this before it is requantised, so that its factor may be up to 8.
-pub const WIDE_SHIFT: u32 = 4;
-
-/// A layer of R rows and C columns, read in place.
-///
-/// Fastest on Cortex-M where `weights` begins at a multiple of four.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Dense<'a> {
-    /// int8 weights in packed row pairs: R and C rounded up to even, multiplied, in bytes.
-    pub weights: &'a [u8],
-    /// R biases, i32 little-endian, at most ±2²⁴.
-    pub biases: &'a [[u8; 4]],
-    /// R multipliers, i32 little-endian, not negative.
-    pub multipliers: &'a [[u8; 4]],
-}
-
-/// How a row's biased sum `s` becomes an output, with the row's multiplier `m`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Finish {
-    /// `clamp(requantise(s, m), 0, 127)`: an int8 activation behind a rectifier.
-    Rectified,
-    /// `clamp(requantise(s·2⁴, m), −2¹⁵, 2¹⁵ − 1)`: a number in 16 bits.
-    Wide,
-}
-
-impl Dense<'_> {
-    /// `out[r] = finish(Σ_c w[r][c]·x[c] + bias[r])` for each row.
-    ///
-    /// `x` has C int8 values, with a zero behind them if C is odd; `out` has R places. Whoever loads a layer checks
-    /// that its parts are of these lengths. Should they not be, the rows that some part lacks are not computed.
-    ///
-    /// On Cortex-M4 and M7 this is assembly, elsewhere [`portable::apply`]; both give the same numbers.
-    #[inline]
-    pub fn apply(&self, x: &[i16], out: &mut [i16], finish: Finish) {
-        fastest::apply(self, x, out, finish);
-    }
-}
-
-/// `round(acc·m / 2³²)`, halves up: one SMMULR on Cortex-M.
-#[inline]
-#[must_use]
-pub const fn requantise(acc: i32, m: i32) -> i32 {
-    // |acc·m| ≤ 2⁶², so the sum fits i64, and its upper half fits i32.
-    ((acc as i64 * m as i64 + (1 << 31)) >> 32) as i32
-}
-
-/// Packs two rows' weights of one column.
-#[must_use]
-pub const fn pack(a: i8, b: i8) -> [u8; 2] {
-    [b as u8 ^ 0x80, a as u8]
-}
+pub use dense::{Dense, MAX_COLUMNS, pack};
+pub use finish::{Finish, WIDE_SHIFT, requantise};

@@ -2,7 +2,8 @@
 //!
 //! Written so that compilers turn the inner loop into vector instructions (PMADDWD on x86-64, SMLAL on aarch64).
 
-use super::{Dense, Finish, WIDE_SHIFT, requantise};
+use super::dense::Dense;
+use super::finish::{Finish, WIDE_SHIFT, requantise};
 
 /// See [`Dense::apply`].
 pub fn apply(layer: &Dense<'_>, x: &[i16], out: &mut [i16], finish: Finish) {

@@ -8,7 +8,9 @@
 use core::arch::{asm, naked_asm};
 use core::mem::offset_of;
 
-use super::{Dense, Finish, portable};
+use super::dense::Dense;
+use super::finish::Finish;
+use super::portable;
 
 /// Words of two columns in a block of the assembly.
 const BLOCK_WORDS: usize = 16;

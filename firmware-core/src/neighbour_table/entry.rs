@@ -1,11 +1,19 @@
 //! One sender in the neighbour table.
 
-use super::{Age, Answer, BELIEVED_SPEED_U, Moment, POSITION_NOISE_U, age};
+use super::age::{Age, age};
+use super::moment::Moment;
+use super::outcome::MessageOutcome;
 use crate::actor::{MAX_FEATURE, NeighbourFeature};
 use crate::geometry::{SPEED_CAP_U, TICKS_PER_U, Vec2, div_round};
-use crate::message::{Beacon, Feature};
+use crate::message::{Beacon, FeatureMessage};
 use crate::observation::Neighbour;
 use core::cmp::Ordering;
+
+/// Fastest that a UAV is believed to fly, u/step: half more than the speed cap, for wind
+/// and overshoot. Faster velocity components are taken as this.
+pub const BELIEVED_SPEED_U: i32 = SPEED_CAP_U * 3 / 2;
+/// Jump of a measured position that is no reason for doubt, u.
+pub const POSITION_NOISE_U: i32 = 2;
 
 const BELIEVED_SPEED: i32 = BELIEVED_SPEED_U * TICKS_PER_U;
 /// How far a UAV can stray from its extrapolation, ticks a step: it flies the cap one way
@@ -69,35 +77,35 @@ impl Entry {
     }
 
     /// Takes in another beacon, not too old.
-    pub(super) fn hear(&mut self, beacon: &Beacon, step_ms: i32) -> Answer {
+    pub(super) fn hear(&mut self, beacon: &Beacon, step_ms: i32) -> MessageOutcome {
         let (sequence, time_ms) = (beacon.header().sequence, beacon.time_ms());
-        if let Some(answer) = not_newer(sequence, self.fix.sequence) {
-            return answer;
+        if let Some(outcome) = not_newer(sequence, self.fix.sequence) {
+            return outcome;
         }
         let position = beacon.state().position;
         let reaches = |from: Vec2, then: u32| is_flyable(position - from, time_ms.wrapping_sub(then) as i32, step_ms);
         let doubt = self.doubt.map(|d| (not_newer(sequence, d.sequence), d));
-        let answer = match doubt {
-            Some((Some(Answer::Repeated), _)) => return Answer::Repeated,
-            _ if reaches(self.fix.position, self.fix.time_ms) => Answer::Updated,
-            Some((None, d)) if reaches(d.position, d.time_ms) => Answer::Confirmed,
+        let outcome = match doubt {
+            Some((Some(MessageOutcome::Repeated), _)) => return MessageOutcome::Repeated,
+            _ if reaches(self.fix.position, self.fix.time_ms) => MessageOutcome::Updated,
+            Some((None, d)) if reaches(d.position, d.time_ms) => MessageOutcome::Confirmed,
             // Overtaken by the one in doubt: it neither confirms nor replaces it.
-            Some((Some(_), _)) => return Answer::Suspicious,
+            Some((Some(_), _)) => return MessageOutcome::Suspicious,
             _ => {
                 self.doubt = Some(Doubt { position, time_ms, sequence });
-                return Answer::Suspicious;
+                return MessageOutcome::Suspicious;
             }
         };
         self.fix = Fix::of(beacon);
         self.doubt = None;
-        answer
+        outcome
     }
 
     /// Takes in a feature of the own policy, not too old.
-    pub(super) fn hear_feature(&mut self, feature: &Feature) -> Answer {
+    pub(super) fn hear_feature(&mut self, feature: &FeatureMessage) -> MessageOutcome {
         let sequence = feature.header().sequence;
-        if let Some(answer) = self.feature.as_ref().and_then(|f| not_newer(sequence, f.sequence)) {
-            return answer;
+        if let Some(outcome) = self.feature.as_ref().and_then(|f| not_newer(sequence, f.sequence)) {
+            return outcome;
         }
         let mut values = [0; MAX_FEATURE];
         for (kept, &v) in values.iter_mut().zip(feature.values()) {
@@ -111,7 +119,7 @@ impl Entry {
             degree: feature.degree(),
             values,
         });
-        Answer::Updated
+        MessageOutcome::Updated
     }
 
     /// Drops what is out of use; false when the whole entry is.
@@ -168,11 +176,11 @@ impl Entry {
     }
 }
 
-/// The answer to a sequence number that is not newer than the one kept.
-fn not_newer(sequence: u16, kept: u16) -> Option<Answer> {
+/// The outcome to a sequence number that is not newer than the one kept.
+fn not_newer(sequence: u16, kept: u16) -> Option<MessageOutcome> {
     match (sequence.wrapping_sub(kept) as i16).cmp(&0) {
-        Ordering::Less => Some(Answer::Older),
-        Ordering::Equal => Some(Answer::Repeated),
+        Ordering::Less => Some(MessageOutcome::Older),
+        Ordering::Equal => Some(MessageOutcome::Repeated),
         Ordering::Greater => None,
     }
 }

@@ -13,8 +13,12 @@
 //! Nearly all of these numbers are zero, so an observation is the list of those that are one;
 //! an index that is listed twice counts two. `docs/observation-cells.md` has the details.
 
-use super::form::Form;
-use super::{MAX_NEIGHBOURS, Neighbour, RANGE, Scene, VIEW, keep, ratio};
+use super::form::BuildObservation;
+use super::nearest::insert_sorted;
+use super::neighbours::{COMMUNICATION_RANGE, MAX_NEIGHBOURS, Neighbour};
+use super::poi::OBSERVATION_RANGE;
+use super::scale::scaled;
+use super::scene::Scene;
 use crate::geometry::{COMMUNICATION_RANGE_U, OBSERVATION_RANGE_U, SPEED_CAP_U, TICKS_PER_U, Vec2, div_round};
 use heapless::Vec;
 
@@ -58,7 +62,7 @@ impl Cells {
     /// ones are left out.
     #[must_use]
     pub fn new(velocity: [i8; 2], ones: impl IntoIterator<Item = u16>) -> Self {
-        let mut cells = Self { velocity: velocity.map(|v| v.max(-127)), ..Self::BLANK };
+        let mut cells = Self { velocity: velocity.map(|v| v.max(-127)), ..Self::ZERO };
         let known = |i: &u16| usize::from(*i) < LEN && !(VELOCITY..POI_MAP).contains(&usize::from(*i));
         for (slot, one) in cells.active.iter_mut().zip(ones.into_iter().filter(known)) {
             *slot = one;
@@ -84,21 +88,21 @@ const _: () = assert!(MAX_ACTIVE <= u8::MAX as usize && LEN <= u16::MAX as usize
 
 /// A PoI in view: distance squared, then offset. In this order the nearest are kept.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Seen {
+struct NearPoi {
     d2: u32,
     offset: Vec2,
 }
 
-impl Form for Cells {
+impl BuildObservation for Cells {
     const ID: u16 = ID;
     const LEN: usize = LEN;
-    const BLANK: Self = Self { velocity: [0; 2], count: 0, active: [0; MAX_ACTIVE] };
+    const ZERO: Self = Self { velocity: [0; 2], count: 0, active: [0; MAX_ACTIVE] };
 
-    fn of(scene: &Scene<'_>, pois: impl IntoIterator<Item = Vec2>) -> Self {
-        let mut nearest: Vec<Seen, MAX_POIS> = Vec::new();
+    fn build(scene: &Scene<'_>, pois: impl IntoIterator<Item = Vec2>) -> Self {
+        let mut nearest: Vec<NearPoi, MAX_POIS> = Vec::new();
         for offset in pois.into_iter().map(|p| p - scene.own.position) {
-            if let Some(d2) = offset.within(VIEW) {
-                keep(&mut nearest, Seen { d2, offset }, Seen::lt);
+            if let Some(d2) = offset.within(OBSERVATION_RANGE) {
+                insert_sorted(&mut nearest, NearPoi { d2, offset }, NearPoi::lt);
             }
         }
         let own = &scene.own;
@@ -110,7 +114,7 @@ impl Form for Cells {
         let pois = nearest.iter().map(|p| cell::<POI_REACH, 1>(POI_MAP, p.offset));
         let near = |n: &Neighbour| cell::<NEIGHBOUR_REACH, NEIGHBOUR_CELL_U>(NEIGHBOUR_MAP, n.offset);
         let neighbours = scene.neighbours.as_slice().iter().map(near);
-        let speed = ratio::<{ SPEED_CAP_U * TICKS_PER_U }>;
+        let speed = scaled::<{ SPEED_CAP_U * TICKS_PER_U }>;
         Self::new([speed(own.velocity.x), speed(own.velocity.y)], bits.chain(pois).chain(neighbours))
     }
 }
@@ -128,12 +132,12 @@ fn cell<const REACH: i32, const SIDE_U: i32>(first: usize, offset: Vec2) -> u16 
 }
 
 // Neighbours in range are on their map.
-const _: () = assert!(RANGE <= NEIGHBOUR_REACH * NEIGHBOUR_CELL_U * TICKS_PER_U);
+const _: () = assert!(COMMUNICATION_RANGE <= NEIGHBOUR_REACH * NEIGHBOUR_CELL_U * TICKS_PER_U);
 
 #[cfg(test)]
 mod tests {
     extern crate std;
-    use super::super::Neighbours;
+    use super::super::neighbours::Neighbours;
     use super::*;
     use crate::geometry::State;
     use proptest::prelude::*;
@@ -198,15 +202,15 @@ mod tests {
         ) {
             let position = Vec2::from_ticks(x, y);
             let mut neighbours = Neighbours::new();
-            around.iter().for_each(|&n| neighbours.offer(n));
+            around.iter().for_each(|&n| neighbours.insert(n));
             let scene =
                 Scene { id, own: State { position, velocity }, tie: 3, half_side: 9, neighbours: &neighbours };
             let mut pois: List<_> = offsets.iter().map(|&o| position + o).collect();
-            let cells = Cells::of(&scene, pois.iter().copied());
+            let cells = Cells::build(&scene, pois.iter().copied());
             prop_assert_eq!(dense(&cells), naive(&scene, &pois));
             // The order of the PoIs never shows.
             pois.reverse();
-            prop_assert_eq!(cells, Cells::of(&scene, pois));
+            prop_assert_eq!(cells, Cells::build(&scene, pois));
         }
     }
 

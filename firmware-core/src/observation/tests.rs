@@ -1,8 +1,10 @@
 //! The observation beside its table, computed plainly.
 
 extern crate std;
-use super::*;
-use crate::geometry::MAP_SIDE_U;
+use super::exploration::UNIT_VECTORS;
+use super::neighbours::COMMUNICATION_RANGE;
+use super::{LEN, MAX_NEIGHBOURS, Neighbour, Neighbours, Scene, observe};
+use crate::geometry::{MAP_SIDE_U, State, TICKS_PER_U, Vec2};
 use proptest::prelude::*;
 use std::vec::Vec as List;
 
@@ -131,7 +133,7 @@ fn naive_best(scene: &Scene<'_>, pois: &[(Vec2, u8)], yields: impl Fn(&Neighbour
     }
     let of_pois = best;
     let half = i64::from(scene.half_side);
-    for &(ux, uy) in &explore::AROUND {
+    for &(ux, uy) in &UNIT_VECTORS {
         let (ux, uy) = (i64::from(ux), i64::from(uy));
         let place = (ux * 16, uy * 16);
         let inside = |at: i64| (half - (at - half).abs()).clamp(0, 32 * 1024) / 1024;
@@ -218,7 +220,7 @@ proptest! {
     ) {
         let position = Vec2::from_ticks(x, y);
         let mut neighbours = Neighbours::new();
-        around.iter().for_each(|&n| neighbours.offer(n));
+        around.iter().for_each(|&n| neighbours.insert(n));
         let own = State { position, velocity };
         let scene = Scene { id, own, tie, half_side: SIDE / 2, neighbours: &neighbours };
         let mut pois: List<_> = offsets.iter().map(|&o| position + o).collect();
@@ -230,7 +232,7 @@ proptest! {
         pois.rotate_left(at);
         prop_assert_eq!(got, observe(&scene, pois.iter().copied()));
         let mut again = Neighbours::new();
-        around.iter().rev().for_each(|&n| again.offer(n));
+        around.iter().rev().for_each(|&n| again.insert(n));
         let distinct: std::collections::BTreeSet<_> = around.iter().map(Neighbour::key).collect();
         prop_assume!(distinct.len() == around.len());
         prop_assert_eq!(neighbours.as_slice(), again.as_slice());
@@ -239,20 +241,12 @@ proptest! {
     #[test]
     fn the_nearest_neighbours_in_range_are_kept(around in prop::collection::vec(neighbour(), 0..40)) {
         let mut neighbours = Neighbours::new();
-        around.iter().for_each(|&n| neighbours.offer(n));
+        around.iter().for_each(|&n| neighbours.insert(n));
         let mut expected = around;
-        expected.retain(|n| n.offset.within(RANGE).is_some());
+        expected.retain(|n| n.offset.within(COMMUNICATION_RANGE).is_some());
         expected.sort_by_key(Neighbour::key);
         expected.truncate(MAX_NEIGHBOURS);
         let keys = |l: &[Neighbour]| l.iter().map(Neighbour::key).collect::<List<_>>();
         prop_assert_eq!(keys(neighbours.as_slice()), keys(&expected));
-    }
-
-    #[test]
-    fn packing_a_poi_loses_nothing(offset in near(13), claim in 0usize..3) {
-        prop_assume!(offset.within(VIEW).is_some());
-        let claim = [Claim::Nobody, Claim::Junior, Claim::Senior][claim];
-        let p = SeenPoi::new(offset, offset.within(VIEW).unwrap_or(0), claim);
-        prop_assert_eq!((p.offset(), p.claim()), (offset, claim));
     }
 }

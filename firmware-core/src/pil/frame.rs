@@ -1,6 +1,6 @@
 //! Frames: a zero, then version, tag, record and CRC-32 without any zero in them (COBS), then a zero.
 
-use super::VERSION;
+use super::limits::VERSION;
 use crc::{CRC_32_ISO_HDLC, Crc, Digest};
 use postcard::ser_flavors::Flavor;
 use serde::Serialize;
@@ -19,7 +19,7 @@ pub const fn frame_len(n: usize) -> usize {
 
 /// Writes a frame with this record into `out` and returns the part it takes; `None` when
 /// it does not fit.
-pub fn seal<'b, T: Serialize>(tag: u8, record: &T, out: &'b mut [u8]) -> Option<&'b [u8]> {
+pub fn encode_frame<'b, T: Serialize>(tag: u8, record: &T, out: &'b mut [u8]) -> Option<&'b [u8]> {
     let mut encoder = Encoder { out, at: 0, code_at: 0, sum: CRC.digest() };
     encoder.put(0)?;
     encoder.open_block()?;
@@ -28,11 +28,11 @@ pub fn seal<'b, T: Serialize>(tag: u8, record: &T, out: &'b mut [u8]) -> Option<
     postcard::serialize_with_flavor(record, encoder).ok()
 }
 
-/// Splits what a [`Deframer`] found into tag and record.
+/// Splits the content of a frame, as a [`Deframer`] finds it, into tag and record.
 ///
 /// # Errors
 /// [`FrameError::TooShort`] or [`FrameError::Version`].
-pub fn unseal(content: &[u8]) -> Result<(u8, &[u8]), FrameError> {
+pub fn decode_frame(content: &[u8]) -> Result<(u8, &[u8]), FrameError> {
     match *content {
         [VERSION, tag, ref record @ ..] => Ok((tag, record)),
         [version, _, ..] => Err(FrameError::Version(version)),

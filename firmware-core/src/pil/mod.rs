@@ -19,28 +19,19 @@
 //! repeats; bad ones are counted and get no answer. Every request may be sent again when its
 //! answer is missing: a second one does no harm. `docs/pil.md` describes every byte.
 
+mod error;
 mod frame;
+mod limits;
 mod node;
-mod record;
+mod reply;
+mod request;
 mod server;
+mod status;
 
-pub use frame::{Deframer, FrameError, frame_len, seal, unseal};
-pub use record::{
-    ActorInfo, Counters, Decided, Fault, Hear, Observe, Observed, Refusal, Reply, Report, Request, Setup, Status,
-};
+pub use error::{ActorError, RequestError};
+pub use frame::{Deframer, FrameError, decode_frame, encode_frame, frame_len};
+pub use limits::{MAX_CASES, MAX_POIS, MAX_REPLY, MAX_REQUEST, POI_BYTES, UNASKED, VERSION};
+pub use reply::{ActorInfo, Decided, Observed, Reply, Report};
+pub use request::{Hear, Observe, Request, Setup};
 pub use server::Server;
-
-/// Version of the protocol, the first byte of every frame.
-pub const VERSION: u8 = 1;
-/// Tag of what a board sends unasked: its report when it starts.
-pub const UNASKED: u8 = 0;
-/// PoIs in view that one request can hold; the scenario has 120 in all.
-pub const MAX_POIS: usize = 240;
-/// Bytes of one PoI in a request: its offset from the UAV, x and y as i16 little-endian ticks.
-pub const POI_BYTES: usize = 4;
-/// Greatest length of a request (version, tag and record), bytes.
-pub const MAX_REQUEST: usize = 1024;
-/// Greatest length of an answer (version, tag and record), bytes.
-pub const MAX_REPLY: usize = 128;
-/// Greatest number of cases that one [`Request::Sign`] adds to the signature.
-pub const MAX_CASES: u16 = 1000;
+pub use status::{Counters, Status};

@@ -3,22 +3,34 @@
 //! Each request has a function of its own on the stack, so that a board needs room for the
 //! deepest, not for their sum: hence `inline(never)`.
 
-use super::record::{ActorInfo, Decided, Fault, Hear, Observe, Observed, Refusal, Reply, Report, Setup};
-use super::{MAX_CASES, MAX_POIS, POI_BYTES};
-use crate::actor::{Actor, Feature, Fingerprint, MAX_FEATURE, Mode};
-use crate::geometry::Vec2;
-use crate::message::{self, Header, MAX_LEN, Message};
-use crate::neighbour_table::{DEFAULT_STEP_MS, Moment, NeighbourTable, PolicyId};
-use crate::observation::{Neighbours, Observation, Scene, observe};
+use super::error::{ActorError, RequestError};
+use super::limits::{MAX_CASES, MAX_POIS, POI_BYTES};
+use super::reply::{ActorInfo, Decided, Observed, Reply, Report};
+use super::request::{Hear, Observe, Setup};
+use super::status::{Counters, Status};
+use crate::actor::{Actor, Fingerprint, Mode, PolicyId};
+use crate::agent::{Agent, AgentSettings};
+use crate::geometry::{State, Vec2};
+use crate::message::{MAX_LEN, Message};
+use crate::neighbour_table::{DEFAULT_STEP_MS, Moment};
+use crate::observation::Observation;
+
+/// The agent's settings until a host says whom the board flies for.
+const NOBODY: AgentSettings = AgentSettings {
+    id: 0,
+    policy: PolicyId { hash: 0, width: 0 },
+    tie_period: 0,
+    policy_seed: 0,
+    mode: Mode::Sample,
+    step_ms: DEFAULT_STEP_MS,
+    half_side: 0,
+};
 
 pub(super) struct Node<'a> {
-    actor: Result<Actor<'a>, Fault>,
-    setup: Option<Setup>,
-    table: NeighbourTable,
-    /// The neighbours in view and the own feature of the step observed last.
-    view: Neighbours,
-    own: Feature,
-    observed: Option<u32>,
+    actor: Result<Actor<'a>, ActorError>,
+    agent: Agent,
+    /// Whether the agent was set up.
+    started: bool,
     decisions: u32,
     fingerprint: Fingerprint,
     signed: u32,
@@ -29,12 +41,9 @@ pub(super) struct Node<'a> {
 impl<'a> Node<'a> {
     pub(super) const fn new() -> Self {
         Self {
-            actor: Err(Fault::NotLoaded),
-            setup: None,
-            table: NeighbourTable::new(0, PolicyId { hash: 0, width: 0 }, DEFAULT_STEP_MS),
-            view: Neighbours::new(),
-            own: Feature { values: [0; MAX_FEATURE], attention_destination: 0, attention_source: 0 },
-            observed: None,
+            actor: Err(ActorError::NotLoaded),
+            agent: Agent::new(NOBODY),
+            started: false,
             decisions: 0,
             fingerprint: Fingerprint::new(),
             signed: 0,
@@ -49,9 +58,9 @@ impl<'a> Node<'a> {
 
     #[inline(never)]
     fn read(&mut self, file: &'a [u8]) {
-        self.setup = None;
-        self.observed = None;
-        self.actor = Actor::load(file).map_err(Fault::from);
+        self.started = false;
+        self.agent.reset(NOBODY);
+        self.actor = Actor::load(file).map_err(ActorError::from);
     }
 
     /// A self-test that fails takes the actor away for good.
@@ -60,88 +69,88 @@ impl<'a> Node<'a> {
         if let Ok(actor) = &self.actor
             && let Err(e) = actor.self_test()
         {
-            self.actor = Err(Fault::SelfTest(e.vector as u8));
+            self.actor = Err(ActorError::SelfTest(e.vector as u8));
         }
     }
 
     pub(super) fn report(&self) -> Report<'static> {
-        let actor = self.actor.as_ref().map_err(|&fault| fault).map(|actor| ActorInfo {
+        let actor = self.actor.as_ref().map_err(|&error| error).map(|actor| ActorInfo {
             content_hash: actor.content_hash(),
             observation: crate::observation::ID,
             aggregation: actor.aggregation(),
-            width: PolicyId::of(actor).width,
+            width: actor.policy_id().width,
             tie_period: actor.tie_period(),
         });
         Report { software: env!("CARGO_PKG_VERSION"), actor }
     }
 
-    /// Everything of a [`super::Status`] but the counters of the line.
-    pub(super) fn status(&self) -> super::Status {
-        super::Status {
-            started: self.setup.is_some(),
-            observed: self.observed,
-            kept: self.table.len() as u8,
+    /// Everything of a [`Status`] but the counters of the line.
+    pub(super) fn status(&self) -> Status {
+        Status {
+            started: self.started,
+            observed: self.agent.observed_step(),
+            kept: self.agent.known() as u8,
             decisions: self.decisions,
-            counters: super::Counters::default(),
+            counters: Counters::default(),
         }
     }
 
+    #[inline(never)]
     pub(super) fn hello(&mut self, setup: Setup) {
         if let Ok(actor) = &self.actor {
-            self.table.reset(setup.id, PolicyId::of(actor), setup.step_ms);
-            self.observed = None;
-            self.setup = Some(setup);
+            self.agent.reset(AgentSettings {
+                mode: if setup.argmax { Mode::Argmax } else { Mode::Sample },
+                step_ms: setup.step_ms,
+                half_side: setup.half_side,
+                ..AgentSettings::new(actor, setup.id, setup.seed)
+            });
+            self.started = true;
         }
     }
 
     #[inline(never)]
-    pub(super) fn hear(&mut self, heard: &Hear<'_>) -> Result<Reply<'static>, Refusal> {
-        ready(&self.actor, &self.setup)?;
-        let message = Message::decode(heard.message).map_err(|_| Refusal::Message)?;
+    pub(super) fn hear(&mut self, heard: &Hear<'_>) -> Result<Reply<'static>, RequestError> {
+        ready(&self.actor, self.started)?;
+        let message = Message::decode(heard.message).map_err(|_| RequestError::Message)?;
         let [x, y] = heard.position;
-        let answer = self.table.hear(&message, Vec2::from_ticks(x, y), heard.now);
-        Ok(Reply::Heard { answer, kept: self.table.len() as u8 })
+        let outcome = self.agent.hear(&message, Vec2::from_ticks(x, y), heard.now);
+        Ok(Reply::Heard { outcome, kept: self.agent.known() as u8 })
     }
 
     #[inline(never)]
-    pub(super) fn observe(&mut self, request: &Observe<'_>) -> Result<Reply<'_>, Refusal> {
-        let (actor, setup) = ready(&self.actor, &self.setup)?;
+    pub(super) fn observe(&mut self, request: &Observe<'_>) -> Result<Reply<'_>, RequestError> {
+        let actor = ready(&self.actor, self.started)?;
         if !request.pois.len().is_multiple_of(POI_BYTES) || request.pois.len() > MAX_POIS * POI_BYTES {
-            return Err(Refusal::Pois);
+            return Err(RequestError::Pois);
         }
-        let (own, Moment { step, .. }) = (request.own(), request.now);
-        self.table.view(own.position, request.now, &mut self.view);
-        let tie = actor.tie_breaker(setup.seed, setup.id, step);
-        let scene = Scene { id: setup.id, own, tie, half_side: setup.half_side, neighbours: &self.view };
-        self.own = actor.encode(&look(&scene, request.pois));
-        self.observed = Some(step);
-        let degree = self.degree();
-        let header = Header { id: setup.id, sequence: step as u16, step };
-        let message: &[u8] = match message::Feature::of(header, degree, actor, &self.own) {
+        let Moment { step, .. } = request.now;
+        let observation = observe(&mut self.agent, request.now, request.own(), request.pois);
+        // An answer that got lost is asked for again: the number belongs to the step.
+        let sequence = step as u16;
+        // The agent was set up for this actor and has observed, so this does not fail.
+        let feature = self.agent.encode(actor, &observation, sequence).unwrap_or(None);
+        let message: &[u8] = match feature {
             Some(feature) => Message::Feature(feature).encode(&mut self.message),
             None => &[],
         };
-        Ok(Reply::Observed(Observed { step, degree, tie, message }))
+        Ok(Reply::Observed(Observed { step, degree: self.agent.degree(), tie: self.agent.tie_breaker(step), message }))
     }
 
     #[inline(never)]
-    pub(super) fn decide(&mut self, step: u32) -> Result<Reply<'static>, Refusal> {
-        let (actor, setup) = ready(&self.actor, &self.setup)?;
-        if self.observed != Some(step) {
-            return Err(Refusal::NotObserved);
+    pub(super) fn decide(&mut self, step: u32) -> Result<Reply<'static>, RequestError> {
+        let actor = ready(&self.actor, self.started)?;
+        if self.agent.observed_step() != Some(step) {
+            return Err(RequestError::NotObserved);
         }
-        let features = self.table.features(&self.view, step).map(|(_, feature)| feature);
-        let count = features.clone().count() as u8;
-        let logits = actor.logits(&self.own, self.degree(), features);
-        let mode = if setup.argmax { Mode::Argmax } else { Mode::Sample };
-        let action = actor.choose(&logits, mode, setup.seed, setup.id, step).index();
+        let decision = self.agent.decide(actor).map_err(|_| RequestError::NotObserved)?;
         self.decisions = self.decisions.wrapping_add(1);
-        Ok(Reply::Decided(Decided { step, action, features: count, logits }))
+        let (action, features, logits) = (decision.action.index(), decision.features, decision.logits);
+        Ok(Reply::Decided(Decided { step, action, features, logits }))
     }
 
     #[inline(never)]
-    pub(super) fn sign(&mut self, from: u32, cases: u16) -> Result<Reply<'static>, Refusal> {
-        let actor = self.actor.as_ref().map_err(|&fault| Refusal::Fault(fault))?;
+    pub(super) fn sign(&mut self, from: u32, cases: u16) -> Result<Reply<'static>, RequestError> {
+        let actor = self.actor.as_ref().map_err(|&error| RequestError::Actor(error))?;
         if from == 0 {
             (self.fingerprint, self.signed) = (Fingerprint::new(), 0);
         }
@@ -153,26 +162,18 @@ impl<'a> Node<'a> {
         }
         Ok(Reply::Signature { cases: self.signed, value: self.fingerprint.value() })
     }
-
-    /// Neighbours in view and the UAV itself.
-    fn degree(&self) -> u8 {
-        self.view.as_slice().len() as u8 + 1
-    }
 }
 
-/// The observation of a scene; what it takes to build is off the stack before it is encoded.
+/// The agent's observation; what it takes to build is off the stack before it is encoded.
 #[inline(never)]
-fn look(scene: &Scene<'_>, pois: &[u8]) -> Observation {
-    observe(scene, pois.chunks_exact(POI_BYTES).map(|p| scene.own.position + offset(p)))
+fn observe(agent: &mut Agent, now: Moment, own: State, pois: &[u8]) -> Observation {
+    agent.observe(now, own, pois.chunks_exact(POI_BYTES).map(|p| own.position + offset(p)))
 }
 
 /// By reference: an actor is a few hundred bytes, much for a board's stack.
-fn ready<'n, 'a>(
-    actor: &'n Result<Actor<'a>, Fault>,
-    setup: &'n Option<Setup>,
-) -> Result<(&'n Actor<'a>, &'n Setup), Refusal> {
-    let actor = actor.as_ref().map_err(|&fault| Refusal::Fault(fault))?;
-    Ok((actor, setup.as_ref().ok_or(Refusal::NotStarted)?))
+fn ready<'n, 'a>(actor: &'n Result<Actor<'a>, ActorError>, started: bool) -> Result<&'n Actor<'a>, RequestError> {
+    let actor = actor.as_ref().map_err(|&error| RequestError::Actor(error))?;
+    if started { Ok(actor) } else { Err(RequestError::NotStarted) }
 }
 
 fn offset(poi: &[u8]) -> Vec2 {

@@ -1,11 +1,14 @@
-//! The board's end of the link.
+//! The board's end of the line.
 
-use super::frame::{CHECKSUM, Deframer, FrameError, frame_len, seal, unseal};
+use super::error::RequestError;
+use super::frame::{CHECKSUM, Deframer, FrameError, decode_frame, encode_frame, frame_len};
+use super::limits::{MAX_REPLY, MAX_REQUEST, UNASKED, VERSION};
 use super::node::Node;
-use super::record::{Counters, Refusal, Reply, Request};
-use super::{MAX_REPLY, MAX_REQUEST, UNASKED, VERSION};
+use super::reply::Reply;
+use super::request::Request;
+use super::status::{Counters, Status};
 
-/// The board's end of the link: takes bytes from the line one at a time and has the
+/// The board's end of the line: takes bytes from the line one at a time and has the
 /// answer ready when a request is complete.
 ///
 /// It owns all it needs, about 4 KiB, and starts in a constant, so it can be a static:
@@ -50,7 +53,7 @@ impl<'a> Server<'a> {
     /// actor the server still answers, but flies nothing.
     pub fn boot(&mut self, file: &'a [u8]) -> &[u8] {
         self.node.load(file);
-        seal(UNASKED, &Reply::Report(self.node.report()), &mut self.reply).unwrap_or_default()
+        encode_frame(UNASKED, &Reply::Report(self.node.report()), &mut self.reply).unwrap_or_default()
     }
 
     /// Whether there is an actor that passed its self-test.
@@ -75,23 +78,23 @@ impl<'a> Server<'a> {
                 return None;
             }
         };
-        let (tag, reply) = match unseal(content) {
+        let (tag, reply) = match decode_frame(content) {
             Ok((tag, record)) => (tag, carry_out(&mut self.node, &self.counters, record)),
             Err(e) => {
                 self.counters.count(e);
                 match (e, content) {
-                    (FrameError::Version(_), &[_, tag, ..]) => (tag, Err(Refusal::Version(VERSION))),
+                    (FrameError::Version(_), &[_, tag, ..]) => (tag, Err(RequestError::Version(VERSION))),
                     _ => return None,
                 }
             }
         };
         let counter = if reply.is_ok() { &mut self.counters.done } else { &mut self.counters.refused };
         *counter = counter.wrapping_add(1);
-        seal(tag, &reply.unwrap_or_else(Reply::Refused), &mut self.reply)
+        encode_frame(tag, &reply.unwrap_or_else(Reply::Refused), &mut self.reply)
     }
 }
 
-fn carry_out<'n>(node: &'n mut Node<'_>, counters: &Counters, record: &[u8]) -> Result<Reply<'n>, Refusal> {
+fn carry_out<'n>(node: &'n mut Node<'_>, counters: &Counters, record: &[u8]) -> Result<Reply<'n>, RequestError> {
     match postcard::take_from_bytes(record) {
         Ok((request, [])) => match request {
             Request::Hello(setup) => {
@@ -101,13 +104,13 @@ fn carry_out<'n>(node: &'n mut Node<'_>, counters: &Counters, record: &[u8]) -> 
             Request::Hear(heard) => node.hear(&heard),
             Request::Observe(request) => node.observe(&request),
             Request::Decide { step } => node.decide(step),
-            Request::Status => Ok(Reply::Status(super::Status { counters: *counters, ..node.status() })),
+            Request::Status => Ok(Reply::Status(Status { counters: *counters, ..node.status() })),
             Request::SelfTest => {
                 node.self_test();
                 Ok(Reply::Report(node.report()))
             }
             Request::Sign { from, cases } => node.sign(from, cases),
         },
-        _ => Err(Refusal::Unreadable),
+        _ => Err(RequestError::Unreadable),
     }
 }

@@ -1,7 +1,7 @@
 //! A vehicle that does what it is told at once, and a gate that is asked every 200 ms.
 
 use firmware_core::gate::{
-    Fence, Gate, Inputs, Limits, Measured, Mode, Phase, Proposal, Request, Setpoint, Vector, Verdict,
+    FlightMode, Gate, Geofence, Inputs, Limits, Measured, Phase, Proposal, Request, Setpoint, Vector, Verdict,
 };
 
 /// Time between ticks, ms.
@@ -34,7 +34,7 @@ impl Bench {
     /// On the ground, healthy, nobody asked for anything.
     pub fn new(limits: Limits) -> Self {
         let side = Vector::new(1_000_000, 1_000_000);
-        let fence = Fence::rectangle(Vector::ZERO - side, side).unwrap();
+        let fence = Geofence::rectangle(Vector::ZERO - side, side).unwrap();
         let clock_ms = 50_000;
         let inputs = Inputs {
             now_ms: None,
@@ -42,7 +42,7 @@ impl Bench {
             state: Some(Measured { altitude_mm: 0, ..Measured::default() }),
             ekf_ok: true,
             gps_fix: Some(3),
-            mode: Mode::Other,
+            mode: FlightMode::Other,
             battery_permille: Some(900),
             self_test: true,
             ..Inputs::default()
@@ -56,7 +56,7 @@ impl Bench {
         let mut bench = Self::new(limits);
         bench.inputs.operator = Some(Request::Start);
         let _ = bench.run(bench.gate.limits().clear_ms + TICK_MS);
-        (bench.inputs.mode, bench.inputs.armed) = (Mode::Guided, true);
+        (bench.inputs.mode, bench.inputs.armed) = (FlightMode::Guided, true);
         assert_eq!(bench.tick(), Verdict::BringUp(None));
         bench
     }
@@ -109,7 +109,7 @@ impl Bench {
         if let (Some(state), Some(setpoint)) = (&mut inputs.state, verdict.setpoint())
             && self.measuring
             && self.linked
-            && inputs.mode == Mode::Guided
+            && inputs.mode == FlightMode::Guided
             && !self.frozen
         {
             state.velocity = setpoint.velocity;

@@ -1,7 +1,9 @@
 //! Every cause, one by one: what is done about it, how soon, and how it comes to its end.
 
 use crate::bench::{Bench, TICK_MS, is_still};
-use firmware_core::gate::{Action, Clears, Clock, Limits, Mode, Phase, Reason, Request, SwarmLoss, Vector, Verdict};
+use firmware_core::gate::{
+    Clock, FailsafeAction, FlightMode, Limits, Phase, Reason, Recovery, Request, SwarmLoss, Vector, Verdict,
+};
 
 /// Settings under which a cause can occur, and alone.
 fn limits(cause: Reason) -> Limits {
@@ -38,7 +40,7 @@ fn begin(bench: &mut Bench, cause: Reason) -> bool {
         Reason::SelfTestFailed => inputs.self_test = false,
         Reason::VehicleRestarted => bench.clock_ms = 100,
         Reason::ClockJumped => bench.clock_ms = bench.clock_ms.wrapping_add(3_600_000),
-        Reason::ModeLeft => inputs.mode = Mode::Other,
+        Reason::ModeLeft => inputs.mode = FlightMode::Other,
         Reason::Disarmed => inputs.armed = false,
         Reason::Landed => inputs.airborne = false,
         Reason::BatteryLow => inputs.battery_permille = Some(250),
@@ -66,7 +68,7 @@ fn end(bench: &mut Bench, cause: Reason) {
     let state = inputs.state.as_mut().unwrap();
     match cause {
         Reason::SelfTestFailed => inputs.self_test = true,
-        Reason::ModeLeft => inputs.mode = Mode::Guided,
+        Reason::ModeLeft => inputs.mode = FlightMode::Guided,
         Reason::Disarmed => inputs.armed = true,
         Reason::Landed => inputs.airborne = true,
         Reason::BatteryLow => inputs.battery_permille = Some(900),
@@ -106,11 +108,11 @@ fn recover(bench: &mut Bench) -> Verdict {
     bench.tick()
 }
 
-fn acted(verdict: &Verdict, action: Action) -> bool {
+fn acted(verdict: &Verdict, action: FailsafeAction) -> bool {
     match (action, verdict) {
-        (Action::Silent, Verdict::Silent(_)) | (Action::Return, Verdict::Return(_)) => true,
-        (Action::Stop, Verdict::Hold(_, setpoint)) => is_still(*setpoint),
-        (Action::Hold, Verdict::Hold(..)) => true,
+        (FailsafeAction::Silent, Verdict::Silent(_)) | (FailsafeAction::Return, Verdict::Return(_)) => true,
+        (FailsafeAction::Stop, Verdict::Hold(_, setpoint)) => is_still(*setpoint),
+        (FailsafeAction::Hold, Verdict::Hold(..)) => true,
         _ => false,
     }
 }
@@ -140,12 +142,12 @@ fn every_cause_leads_to_its_action_in_time() {
 
 #[test]
 fn a_stop_becomes_silence() {
-    for cause in Reason::ALL.into_iter().filter(|cause| cause.action() == Action::Stop) {
+    for cause in Reason::ALL.into_iter().filter(|cause| cause.action() == FailsafeAction::Stop) {
         let mut bench = bench(cause);
         begin(&mut bench, cause);
         while suffer(&mut bench, cause).reason() != Some(cause) {}
         let mut passed = 0;
-        while acted(&suffer(&mut bench, cause), Action::Stop) {
+        while acted(&suffer(&mut bench, cause), FailsafeAction::Stop) {
             passed += TICK_MS;
         }
         assert!(passed < bench.gate.limits().stop_ms, "{cause:?}: still setpoints after {passed} ms");
@@ -177,15 +179,15 @@ fn causes_end_as_stated() {
         end(&mut bench, cause);
         let clear_ms = bench.gate.limits().clear_ms;
         let resumed = (1..=300).find(|_| matches!(recover(&mut bench), Verdict::Stream(_))).map(|n| n * TICK_MS);
-        match cause.clears() {
-            Clears::Operator => assert_eq!(resumed, None, "{cause:?}"),
-            Clears::Lasting | Clears::Settled => {
+        match cause.recovery() {
+            Recovery::Operator => assert_eq!(resumed, None, "{cause:?}"),
+            Recovery::Lasting | Recovery::Settled => {
                 let ms = resumed.unwrap_or_else(|| panic!("{cause:?} never clears"));
                 assert!(ms <= clear_ms + 2 * TICK_MS, "{cause:?} takes {ms} ms to clear");
             }
-            Clears::AtOnce => assert_eq!(resumed, Some(TICK_MS), "{cause:?}"),
+            Recovery::AtOnce => assert_eq!(resumed, Some(TICK_MS), "{cause:?}"),
         }
-        if cause.clears() == Clears::Lasting {
+        if cause.recovery() == Recovery::Lasting {
             // Not before it has settled, either: 2 s of good ticks, of which the first counts as the beginning.
             assert!(resumed.unwrap_or(0) > clear_ms, "{cause:?} clears too soon: {resumed:?}");
         }
@@ -194,7 +196,7 @@ fn causes_end_as_stated() {
 
 #[test]
 fn what_only_the_operator_clears_he_does_clear() {
-    for cause in Reason::ALL.into_iter().filter(|cause| cause.clears() == Clears::Operator) {
+    for cause in Reason::ALL.into_iter().filter(|cause| cause.recovery() == Recovery::Operator) {
         let mut bench = bench(cause);
         if !begin(&mut bench, cause) {
             continue;
@@ -212,7 +214,7 @@ fn what_only_the_operator_clears_he_does_clear() {
 
 #[test]
 fn a_request_while_the_cause_goes_on_does_not_fly() {
-    let lasting = Reason::ALL.into_iter().filter(|cause| !matches!(cause.clears(), Clears::Operator));
+    let lasting = Reason::ALL.into_iter().filter(|cause| !matches!(cause.recovery(), Recovery::Operator));
     for cause in lasting.chain([Reason::SelfTestFailed, Reason::ModeLeft, Reason::Disarmed, Reason::BatteryLow]) {
         if matches!(cause, Reason::PositionJumped) {
             continue;
@@ -230,7 +232,7 @@ fn a_request_while_the_cause_goes_on_does_not_fly() {
 
 #[test]
 fn a_stop_that_lasts_ends_by_the_operator_only() {
-    for cause in Reason::ALL.into_iter().filter(|cause| cause.clears() == Clears::Lasting) {
+    for cause in Reason::ALL.into_iter().filter(|cause| cause.recovery() == Recovery::Lasting) {
         let mut bench = bench(cause);
         begin(&mut bench, cause);
         let ticks = (bench.gate.limits().release_ms + 5000) / TICK_MS;
@@ -286,7 +288,7 @@ fn the_first_of_several_causes_is_named() {
     bench.deciding = false;
     bench.inputs.proposal = None;
     assert_eq!(suffer(&mut bench, Reason::NumberRefused).reason(), Some(Reason::NumberRefused));
-    bench.inputs.mode = Mode::Other;
+    bench.inputs.mode = FlightMode::Other;
     assert_eq!(suffer(&mut bench, Reason::NumberRefused), Verdict::Silent(Reason::ModeLeft));
     assert!(Reason::ALL.is_sorted());
 }

@@ -1,19 +1,19 @@
 //! The fence: which shapes it takes, what is inside, and that no vehicle crosses it whatever the actor wants.
 
 use firmware_core::gate::{
-    Circle, Fence, FenceError, Gate, Inputs, Limits, LimitsError, MAX_CORNERS, Measured, Mode, Proposal, Reason,
-    Request, Vector, Verdict,
+    Circle, FlightMode, Gate, Geofence, GeofenceError, Inputs, Limits, LimitsError, MAX_CORNERS, Measured, Proposal,
+    Reason, Request, Vector, Verdict,
 };
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-fn square(side_mm: i32) -> Fence {
-    Fence::rectangle(Vector::ZERO, Vector::new(side_mm, side_mm)).unwrap()
+fn square(side_mm: i32) -> Geofence {
+    Geofence::rectangle(Vector::ZERO, Vector::new(side_mm, side_mm)).unwrap()
 }
 
-fn polygon(corners: &[(i32, i32)]) -> Result<Fence, FenceError> {
+fn polygon(corners: &[(i32, i32)]) -> Result<Geofence, GeofenceError> {
     let corners: Vec<Vector> = corners.iter().map(|c| Vector::new(c.0, c.1)).collect();
-    Fence::polygon(&corners)
+    Geofence::polygon(&corners)
 }
 
 /// An L, counter-clockwise.
@@ -22,22 +22,22 @@ const L_SHAPE: [(i32, i32); 6] =
 
 #[test]
 fn shapes_that_are_none_are_refused() {
-    assert_eq!(polygon(&[(0, 0), (1, 1)]), Err(FenceError::Corners(2)));
+    assert_eq!(polygon(&[(0, 0), (1, 1)]), Err(GeofenceError::Corners(2)));
     let many: Vec<(i32, i32)> = (0..=MAX_CORNERS as i32).map(|i| (i * 1000, i * i * 1000)).collect();
-    assert_eq!(polygon(&many), Err(FenceError::Corners(17)));
-    assert_eq!(polygon(&[(0, 0), (9000, 0), (9000, 0), (0, 9000)]), Err(FenceError::SamePoint(1)));
-    assert_eq!(polygon(&[(0, 0), (9000, 9000), (9000, 0), (0, 9000)]), Err(FenceError::Crossing(0, 2)));
-    assert_eq!(polygon(&[(0, 0), (90_000, 1000), (90_000, 9000)]), Err(FenceError::TooSharp(0)));
-    assert_eq!(polygon(&[(90_000, 9000), (90_000, 1000), (0, 0)]), Err(FenceError::TooSharp(2)));
-    assert_eq!(polygon(&[(0, 0), (90_000, 0), (40_000, 0)]), Err(FenceError::TooSharp(1)));
-    assert_eq!(polygon(&[(0, 0), (100_000_001, 0), (0, 1000)]), Err(FenceError::TooFar));
-    assert_eq!(polygon(&[(0, 0), (i32::MIN, i32::MAX), (0, 1000)]), Err(FenceError::TooFar));
-    assert!(Fence::rectangle(Vector::ZERO, Vector::new(0, 5000)).is_err());
+    assert_eq!(polygon(&many), Err(GeofenceError::Corners(17)));
+    assert_eq!(polygon(&[(0, 0), (9000, 0), (9000, 0), (0, 9000)]), Err(GeofenceError::SamePoint(1)));
+    assert_eq!(polygon(&[(0, 0), (9000, 9000), (9000, 0), (0, 9000)]), Err(GeofenceError::Crossing(0, 2)));
+    assert_eq!(polygon(&[(0, 0), (90_000, 1000), (90_000, 9000)]), Err(GeofenceError::TooSharp(0)));
+    assert_eq!(polygon(&[(90_000, 9000), (90_000, 1000), (0, 0)]), Err(GeofenceError::TooSharp(2)));
+    assert_eq!(polygon(&[(0, 0), (90_000, 0), (40_000, 0)]), Err(GeofenceError::TooSharp(1)));
+    assert_eq!(polygon(&[(0, 0), (100_000_001, 0), (0, 1000)]), Err(GeofenceError::TooFar));
+    assert_eq!(polygon(&[(0, 0), (i32::MIN, i32::MAX), (0, 1000)]), Err(GeofenceError::TooFar));
+    assert!(Geofence::rectangle(Vector::ZERO, Vector::new(0, 5000)).is_err());
     let circle = |radius_mm| Circle { centre: Vector::ZERO, radius_mm };
-    assert_eq!(Fence::circle(circle(999)), Err(FenceError::TooSmall));
-    assert_eq!(Fence::circle(circle(u32::MAX)), Err(FenceError::TooFar));
+    assert_eq!(Geofence::circle(circle(999)), Err(GeofenceError::TooSmall));
+    assert_eq!(Geofence::circle(circle(u32::MAX)), Err(GeofenceError::TooFar));
     // 5 m/s inside 20 m takes 1.25 m/s² for the turn alone.
-    let fence = Fence::circle(circle(20_000)).unwrap();
+    let fence = Geofence::circle(circle(20_000)).unwrap();
     let refused = Gate::new(Limits::default(), fence).unwrap_err();
     assert_eq!(refused, LimitsError::CircleTooSmall { radius_mm: 20_000, least_mm: 25_001 });
 }
@@ -69,7 +69,7 @@ fn depth_is_the_distance_from_the_fence() {
 }
 
 /// Inside a polygon (by winding) and a circle, in floats.
-fn is_inside(fence: &Fence, (x, y): (f64, f64)) -> bool {
+fn is_inside(fence: &Geofence, (x, y): (f64, f64)) -> bool {
     let corners: Vec<(f64, f64)> = fence.corners().iter().map(|c| (f64::from(c.east), f64::from(c.north))).collect();
     let turned: f64 = (0..corners.len())
         .map(|i| {
@@ -131,7 +131,7 @@ impl Actor {
 }
 
 /// Flies for 60 s from `start` (mm), standing; returns the least depth of the true position, mm.
-fn fly(fence: &Fence, limits: Limits, start: (f64, f64), vehicle: Vehicle, actor: Actor, losses: u64) -> i32 {
+fn fly(fence: &Geofence, limits: Limits, start: (f64, f64), vehicle: Vehicle, actor: Actor, losses: u64) -> i32 {
     const DT_MS: u32 = 20;
     const TICK_MS: u32 = 200;
     let mut gate = Gate::new(limits, fence.clone()).unwrap();
@@ -141,7 +141,7 @@ fn fly(fence: &Fence, limits: Limits, start: (f64, f64), vehicle: Vehicle, actor
     let mut inputs = Inputs {
         ekf_ok: true,
         gps_fix: Some(3),
-        mode: Mode::Guided,
+        mode: FlightMode::Guided,
         armed: true,
         airborne: true,
         self_test: true,
@@ -219,7 +219,7 @@ fn actors() -> impl Strategy<Value = Actor> {
 }
 
 /// Star-shaped polygons, convex or not, and circles.
-fn fences() -> impl Strategy<Value = Fence> {
+fn fences() -> impl Strategy<Value = Geofence> {
     let star = (3..=MAX_CORNERS, prop::collection::vec(50_000.0..200_000.0f64, MAX_CORNERS)).prop_filter_map(
         "not a fence",
         |(n, radii)| {
@@ -229,14 +229,14 @@ fn fences() -> impl Strategy<Value = Fence> {
                     Vector::new((radii[i] * angle.cos()) as i32, (radii[i] * angle.sin()) as i32)
                 })
                 .collect();
-            Fence::polygon(&corners).ok()
+            Geofence::polygon(&corners).ok()
         },
     );
-    let circle =
-        (26_000..300_000u32).prop_map(|radius_mm| Fence::circle(Circle { centre: Vector::ZERO, radius_mm }).unwrap());
+    let circle = (26_000..300_000u32)
+        .prop_map(|radius_mm| Geofence::circle(Circle { centre: Vector::ZERO, radius_mm }).unwrap());
     let cut = (40_000..200_000i32, 40_000..200_000u32).prop_map(|(half, radius_mm)| {
         let corner = Vector::new(half, half);
-        let fence = Fence::rectangle(Vector::ZERO - corner, corner).unwrap();
+        let fence = Geofence::rectangle(Vector::ZERO - corner, corner).unwrap();
         fence.and_circle(Circle { centre: Vector::ZERO, radius_mm }).unwrap()
     });
     prop_oneof![star, circle, cut]
@@ -361,7 +361,7 @@ fn at_once(state: Measured, velocity: Vector) -> Inputs {
         state: Some(state),
         ekf_ok: true,
         gps_fix: Some(3),
-        mode: Mode::Guided,
+        mode: FlightMode::Guided,
         armed: true,
         airborne: true,
         self_test: true,

@@ -2,13 +2,14 @@
 
 use crate::bench::{ALTITUDE_MM, Bench, CRUISE, TICK_MS, is_still};
 use firmware_core::gate::{
-    Fence, Gate, Limits, LimitsError, Mode, Phase, Proposal, Reason, Request, SwarmLoss, Vector, Verdict, layer_mm,
+    FlightMode, Gate, Geofence, Limits, LimitsError, Phase, Proposal, Reason, Request, SwarmLoss, Vector, Verdict,
+    altitude_layer_mm,
 };
 
 #[test]
 fn nothing_is_sent_before_the_operator_asks() {
     let mut bench = Bench::new(Limits::default());
-    (bench.inputs.mode, bench.inputs.armed, bench.inputs.airborne) = (Mode::Guided, true, true);
+    (bench.inputs.mode, bench.inputs.armed, bench.inputs.airborne) = (FlightMode::Guided, true, true);
     for _ in 0..100 {
         assert_eq!(bench.tick(), Verdict::Silent(Reason::NotStarted));
     }
@@ -23,7 +24,7 @@ fn a_flight_from_request_to_stream() {
     assert!(matches!(bench.run(10_000), Verdict::Silent(Reason::EkfUnhealthy)));
     bench.inputs.ekf_ok = true;
     assert_eq!(bench.run(2400), Verdict::BringUp(None));
-    (bench.inputs.mode, bench.inputs.armed) = (Mode::Guided, true);
+    (bench.inputs.mode, bench.inputs.armed) = (FlightMode::Guided, true);
     assert_eq!(bench.run(5000), Verdict::BringUp(None));
     assert_eq!(bench.gate.phase(), Phase::BringUp);
     bench.inputs.airborne = true;
@@ -40,7 +41,7 @@ fn a_flight_from_request_to_stream() {
 #[test]
 fn a_vehicle_that_hovers_in_guided_is_taken_over_in_the_air() {
     let mut bench = Bench::new(Limits::default());
-    (bench.inputs.mode, bench.inputs.armed, bench.inputs.airborne) = (Mode::Guided, true, true);
+    (bench.inputs.mode, bench.inputs.armed, bench.inputs.airborne) = (FlightMode::Guided, true, true);
     bench.inputs.state.as_mut().unwrap().altitude_mm = ALTITUDE_MM;
     let _ = bench.run(3000);
     bench.inputs.operator = Some(Request::Start);
@@ -54,7 +55,7 @@ fn bring_up_expires() {
     assert_eq!(bench.run(20_000), Verdict::BringUp(None));
     let within = Reason::BringUpExpired.deadline_ms(bench.gate.limits());
     assert_eq!(bench.run(within - 20_000), Verdict::Silent(Reason::BringUpExpired));
-    (bench.inputs.mode, bench.inputs.armed, bench.inputs.airborne) = (Mode::Guided, true, true);
+    (bench.inputs.mode, bench.inputs.armed, bench.inputs.airborne) = (FlightMode::Guided, true, true);
     assert_eq!(bench.run(1000), Verdict::Silent(Reason::BringUpExpired));
 }
 
@@ -74,10 +75,10 @@ fn the_pilot_keeps_the_vehicle() {
     for in_flight in [false, true] {
         let mut bench =
             if in_flight { Bench::in_flight(Limits::default()) } else { Bench::in_takeoff(Limits::default()) };
-        bench.inputs.mode = Mode::Other;
+        bench.inputs.mode = FlightMode::Other;
         assert_eq!(bench.tick(), Verdict::Silent(Reason::ModeLeft));
         // Even when he flips back through GUIDED.
-        bench.inputs.mode = Mode::Guided;
+        bench.inputs.mode = FlightMode::Guided;
         assert_eq!(bench.run(60_000), Verdict::Silent(Reason::ModeLeft));
         bench.inputs.operator = Some(Request::Start);
         bench.inputs.airborne = true;
@@ -91,13 +92,13 @@ fn after_a_request_the_mode_may_be_anything_until_it_is_guided() {
     let mut bench = Bench::new(Limits::default());
     bench.inputs.operator = Some(Request::Start);
     let _ = bench.run(2400);
-    for mode in [Mode::Other, Mode::Unknown, Mode::Other] {
+    for mode in [FlightMode::Other, FlightMode::Unknown, FlightMode::Other] {
         bench.inputs.mode = mode;
         assert_eq!(bench.run(5000), Verdict::BringUp(None));
     }
-    bench.inputs.mode = Mode::Guided;
+    bench.inputs.mode = FlightMode::Guided;
     assert_eq!(bench.tick(), Verdict::BringUp(None));
-    bench.inputs.mode = Mode::Other;
+    bench.inputs.mode = FlightMode::Other;
     assert_eq!(bench.tick(), Verdict::Silent(Reason::ModeLeft));
 }
 
@@ -120,7 +121,7 @@ fn px4_gets_setpoints_before_its_mode_but_none_that_moves() {
         let Verdict::BringUp(Some(setpoint)) = bench.tick() else { panic!("no setpoint") };
         assert!(is_still(setpoint) && setpoint.altitude_mm == ALTITUDE_MM);
     }
-    bench.inputs.mode = Mode::Guided;
+    bench.inputs.mode = FlightMode::Guided;
     assert!(matches!(bench.tick(), Verdict::Stream(_)));
 }
 
@@ -135,9 +136,9 @@ fn return_is_asked_for_until_the_mode_changes_and_three_times_at_most() {
     let mut bench = Bench::in_flight(Limits::default());
     bench.inputs.operator = Some(Request::Return);
     assert_eq!(bench.tick(), Verdict::Return(Reason::OperatorReturn));
-    bench.inputs.mode = Mode::Other;
+    bench.inputs.mode = FlightMode::Other;
     assert_eq!(bench.run(10_000), Verdict::Silent(Reason::OperatorReturn));
-    bench.inputs.mode = Mode::Guided;
+    bench.inputs.mode = FlightMode::Guided;
     assert_eq!(bench.run(10_000), Verdict::Silent(Reason::OperatorReturn));
 }
 
@@ -286,15 +287,15 @@ fn altitude_stays_in_its_band_and_climbs_gently() {
 
 #[test]
 fn layers_follow_the_id_and_never_overflow() {
-    assert_eq!(layer_mm(0, 20_000, 2000, 5), 20_000);
-    assert_eq!(layer_mm(7, 20_000, 2000, 5), 24_000);
-    assert_eq!(layer_mm(7, 20_000, 2000, 0), 20_000);
-    assert_eq!(layer_mm(u16::MAX, i32::MAX, u32::MAX, u16::MAX - 1), i32::MAX);
+    assert_eq!(altitude_layer_mm(0, 20_000, 2000, 5), 20_000);
+    assert_eq!(altitude_layer_mm(7, 20_000, 2000, 5), 24_000);
+    assert_eq!(altitude_layer_mm(7, 20_000, 2000, 0), 20_000);
+    assert_eq!(altitude_layer_mm(u16::MAX, i32::MAX, u32::MAX, u16::MAX - 1), i32::MAX);
 }
 
 #[test]
 fn settings_are_checked() {
-    let fence = Fence::rectangle(Vector::ZERO, Vector::new(100_000, 100_000)).unwrap();
+    let fence = Geofence::rectangle(Vector::ZERO, Vector::new(100_000, 100_000)).unwrap();
     let refused = |change: fn(&mut Limits)| {
         let mut limits = Limits::default();
         change(&mut limits);

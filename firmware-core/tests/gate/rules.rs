@@ -1,7 +1,8 @@
 //! Random sequences of inputs against plain rules that hold whatever happens.
 
 use firmware_core::gate::{
-    Circle, Fence, Gate, Inputs, Limits, Measured, Mode, Proposal, ROUNDING_MM_S, Request, SwarmLoss, Vector, Verdict,
+    Circle, FlightMode, Gate, Geofence, Inputs, Limits, Measured, Proposal, ROUNDING_MM_S, Request, SwarmLoss, Vector,
+    Verdict,
 };
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -11,7 +12,7 @@ use proptest::prelude::*;
 enum Event {
     Pass,
     Operator(Request),
-    Mode(Mode),
+    FlightMode(FlightMode),
     Armed(bool),
     Airborne(bool),
     Place(Vector),
@@ -48,7 +49,7 @@ fn events() -> impl Strategy<Value = Event> {
         6 => Just(Event::Pass),
         4 => Just(Event::Operator(Request::Start)),
         1 => prop_oneof![Just(Request::Release), Just(Request::Return)].prop_map(Event::Operator),
-        2 => prop_oneof![3 => Just(Mode::Guided), 1 => Just(Mode::Other), 1 => Just(Mode::Unknown)].prop_map(Event::Mode),
+        2 => prop_oneof![3 => Just(FlightMode::Guided), 1 => Just(FlightMode::Other), 1 => Just(FlightMode::Unknown)].prop_map(Event::FlightMode),
         1 => prop::bool::weighted(0.8).prop_map(Event::Armed),
         1 => prop::bool::weighted(0.8).prop_map(Event::Airborne),
         2 => vector(130_000).prop_map(Event::Place),
@@ -65,7 +66,7 @@ fn events() -> impl Strategy<Value = Event> {
         1 => prop_oneof![-3000..3000i32, any::<i32>()].prop_map(Event::Clock),
         // Health comes back more often than it goes.
         6 => Just(Event::Flow(true, true, true, true)),
-        3 => Just(Event::Mode(Mode::Guided)),
+        3 => Just(Event::FlightMode(FlightMode::Guided)),
         3 => Just(Event::Armed(true)),
         3 => Just(Event::Airborne(true)),
         3 => Just(Event::SelfTest(true)),
@@ -100,7 +101,7 @@ fn all_limits() -> impl Strategy<Value = Limits> {
 
 fn gate(limits: Limits) -> Gate {
     let corner = Vector::new(100_000, 100_000);
-    Gate::new(limits, Fence::rectangle(Vector::ZERO - corner, corner).unwrap()).unwrap()
+    Gate::new(limits, Geofence::rectangle(Vector::ZERO - corner, corner).unwrap()).unwrap()
 }
 
 /// The inputs of every tick, with clocks that start where they are told.
@@ -111,7 +112,7 @@ fn play(steps: &[Step], start_ms: u32, start_wall_ms: u32) -> Vec<Inputs> {
     let mut inputs = Inputs {
         ekf_ok: true,
         gps_fix: Some(3),
-        mode: Mode::Guided,
+        mode: FlightMode::Guided,
         armed: true,
         airborne: true,
         self_test: true,
@@ -125,7 +126,7 @@ fn play(steps: &[Step], start_ms: u32, start_wall_ms: u32) -> Vec<Inputs> {
         match step.event {
             Event::Pass => {}
             Event::Operator(request) => inputs.operator = Some(request),
-            Event::Mode(mode) => inputs.mode = mode,
+            Event::FlightMode(mode) => inputs.mode = mode,
             Event::Armed(armed) => inputs.armed = armed,
             Event::Airborne(airborne) => inputs.airborne = airborne,
             Event::Place(place) => state.position = place,
@@ -211,9 +212,9 @@ impl Rules {
             (self.clock, self.heard_wall) = (Some(now), inputs.wall_ms);
         }
         self.ours &= inputs.self_test;
-        self.ours &= !(self.guided && inputs.mode == Mode::Other);
+        self.ours &= !(self.guided && inputs.mode == FlightMode::Other);
         self.ours &= inputs.armed || !self.armed;
-        self.guided |= self.ours && inputs.mode == Mode::Guided;
+        self.guided |= self.ours && inputs.mode == FlightMode::Guided;
         self.armed |= self.ours && inputs.armed;
 
         // In real time it goes on while nothing is heard.
@@ -225,12 +226,12 @@ impl Rules {
         match verdict {
             Verdict::Stream(_) => {
                 let fresh = |then: u32, limit: u32| now.wrapping_sub(then).cast_signed() <= limit.cast_signed();
-                prop_assert!(inputs.mode == Mode::Guided && inputs.armed && !self.returning);
+                prop_assert!(inputs.mode == FlightMode::Guided && inputs.armed && !self.returning);
                 prop_assert!(!inputs.refused && fresh(inputs.state.unwrap().time_ms, limits.stale_ms));
                 prop_assert!(fresh(inputs.heartbeat_ms.unwrap(), limits.heartbeat_ms));
                 prop_assert!(fresh(inputs.proposal.unwrap().decided_ms, limits.decision_ms));
             }
-            Verdict::Hold(..) => prop_assert!(inputs.mode == Mode::Guided && inputs.armed && !self.returning),
+            Verdict::Hold(..) => prop_assert!(inputs.mode == FlightMode::Guided && inputs.armed && !self.returning),
             Verdict::BringUp(setpoint) => {
                 prop_assert!(!self.returning);
                 if let Some(setpoint) = setpoint {
@@ -239,7 +240,7 @@ impl Rules {
                 }
             }
             Verdict::Return(_) => {
-                prop_assert!(inputs.mode == Mode::Guided);
+                prop_assert!(inputs.mode == FlightMode::Guided);
                 (self.returns, self.returning) = (self.returns + 1, true);
                 prop_assert!(self.returns <= limits.return_attempts);
             }
@@ -298,16 +299,16 @@ proptest! {
 }
 
 /// Settings from end to end of what is allowed, and fences as far away as can be.
-fn extremes() -> impl Strategy<Value = (Limits, Fence)> {
+fn extremes() -> impl Strategy<Value = (Limits, Geofence)> {
     let end = |ends: [u32; 3]| prop::sample::select(ends.to_vec());
     let rates = (end([100, 5000, 50_000]), end([100, 2500, 50_000]), end([0, 700, 20_000]), end([0, 3000, 1_000_000]));
     let times = (end([10, 200, 1000]), end([1000, 3000, 5000]), end([0, 500, 3_600_000]), end([0, 2000, 3_600_000]));
     let flags = (any::<bool>(), any::<bool>(), any::<bool>());
     let fences = prop::sample::select(vec![
-        Fence::rectangle(Vector::new(-100_000_000, -100_000_000), Vector::new(100_000_000, 100_000_000)),
-        Fence::rectangle(Vector::new(99_900_000, -100_000_000), Vector::new(100_000_000, 100_000_000)),
-        Fence::polygon(&[Vector::new(0, 0), Vector::new(1, 0), Vector::new(0, 1)]),
-        Fence::circle(Circle { centre: Vector::new(-30_000_000, 5), radius_mm: 70_000_000 }),
+        Geofence::rectangle(Vector::new(-100_000_000, -100_000_000), Vector::new(100_000_000, 100_000_000)),
+        Geofence::rectangle(Vector::new(99_900_000, -100_000_000), Vector::new(100_000_000, 100_000_000)),
+        Geofence::polygon(&[Vector::new(0, 0), Vector::new(1, 0), Vector::new(0, 1)]),
+        Geofence::circle(Circle { centre: Vector::new(-30_000_000, 5), radius_mm: 70_000_000 }),
     ]);
     (rates, times, flags, fences).prop_map(|(rates, times, flags, fence)| {
         let limits = Limits {

@@ -22,7 +22,7 @@ fn causes_actions_and_times_are_as_documented() {
             let ms = reason.deadline_ms(&limits);
             let clock = if reason.clock() == Clock::Wall { " (own clock)" } else { "" };
             let within = format!("{}.{} s{clock}", ms / 1000, ms % 1000 / 100);
-            vec![reason.name().into(), reason.action().name().into(), within, reason.clears().name().into()]
+            vec![reason.name().into(), reason.action().name().into(), within, reason.recovery().name().into()]
         })
         .collect();
     for (documented, expected) in documented.iter().zip(&expected) {

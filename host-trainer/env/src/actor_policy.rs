@@ -39,7 +39,7 @@ impl<'a, O: ActorInput> ActorPolicy<'a, O> {
     /// Observes and encodes the present state of `world`.
     pub fn look(&mut self, world: &World) {
         let n = world.scenario().uavs;
-        self.observations.resize(n, O::BLANK);
+        self.observations.resize(n, O::ZERO);
         self.links.resize(n, Neighbourhood::default());
         self.observer.observe(world, &mut self.observations, &mut self.links);
         self.features.clear();

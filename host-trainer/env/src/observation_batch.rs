@@ -2,7 +2,7 @@
 
 use firmware_core::actor::ActorInput;
 use firmware_core::observation::cells::Cells;
-use firmware_core::observation::{Form, Observation};
+use firmware_core::observation::{BuildObservation, Observation};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -33,7 +33,7 @@ impl ObservationForm {
     #[must_use]
     pub const fn len(self) -> usize {
         match self {
-            Self::Compact => <Observation as Form>::LEN,
+            Self::Compact => <Observation as BuildObservation>::LEN,
             Self::Cells => Cells::LEN,
         }
     }
@@ -77,16 +77,16 @@ impl ObservationBatch {
     #[must_use]
     pub fn new(form: ObservationForm, count: usize) -> Self {
         match form {
-            ObservationForm::Compact => Self::Compact(vec![Form::BLANK; count]),
-            ObservationForm::Cells => Self::Cells(vec![Form::BLANK; count]),
+            ObservationForm::Compact => Self::Compact(vec![BuildObservation::ZERO; count]),
+            ObservationForm::Cells => Self::Cells(vec![BuildObservation::ZERO; count]),
         }
     }
 
     /// Sets their number; new ones are blank.
     pub fn resize(&mut self, count: usize) {
         match self {
-            Self::Compact(v) => v.resize(count, Form::BLANK),
-            Self::Cells(v) => v.resize(count, Form::BLANK),
+            Self::Compact(v) => v.resize(count, BuildObservation::ZERO),
+            Self::Cells(v) => v.resize(count, BuildObservation::ZERO),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::world::World;
 use firmware_core::geometry::{COMMUNICATION_RANGE_U, OBSERVATION_RANGE_U, State, Vec2};
-use firmware_core::observation::{Form, MAX_NEIGHBOURS, Neighbour, Neighbours, Scene};
+use firmware_core::observation::{BuildObservation, MAX_NEIGHBOURS, Neighbour, Neighbours, Scene};
 use firmware_core::random::tie_breaker;
 
 /// The neighbours that a UAV keeps: those its graph layer aggregates over, besides
@@ -53,7 +53,7 @@ impl Observer {
     ///
     /// # Panics
     /// When `out` or `links` has not one entry a UAV.
-    pub fn observe<O: Form>(&mut self, world: &World, out: &mut [O], links: &mut [Neighbourhood]) {
+    pub fn observe<O: BuildObservation>(&mut self, world: &World, out: &mut [O], links: &mut [Neighbourhood]) {
         let uavs = world.scenario().uavs;
         assert!(
             out.len() == uavs && links.len() == uavs,
@@ -68,7 +68,7 @@ impl Observer {
             let own = self.beacons[i];
             let scene = Scene { id: i as u16, own: own.state, tie: own.tie, half_side, neighbours: &neighbours };
             let in_cells = world.poi_cells.around(world.x[i], world.y[i], OBSERVATION_RANGE_U as f32);
-            *out = O::of(&scene, in_cells.flat_map(|run| &world.poi_ticks[run]).copied());
+            *out = O::build(&scene, in_cells.flat_map(|run| &world.poi_ticks[run]).copied());
         }
     }
 
@@ -94,7 +94,7 @@ impl Observer {
                 }
                 let Beacon { state, tie } = self.beacons[j as usize];
                 let offset = state.position - own;
-                neighbours.offer(Neighbour { id: j as u16, offset, velocity: state.velocity, tie });
+                neighbours.insert(Neighbour { id: j as u16, offset, velocity: state.velocity, tie });
             }
         }
     }
@@ -127,7 +127,7 @@ mod tests {
             let mut neighbours = Neighbours::new();
             for j in (0..n).filter(|&j| j != i) {
                 let offset = ticks(j) - ticks(i);
-                neighbours.offer(Neighbour { id: j as u16, offset, velocity: velocity(j), tie: tie(j) });
+                neighbours.insert(Neighbour { id: j as u16, offset, velocity: velocity(j), tie: tie(j) });
             }
             let own = State { position: ticks(i), velocity: velocity(i) };
             let half_side = world.scenario().half_side_ticks();

@@ -212,7 +212,7 @@ fn add_scaled<const N: usize>(sums: &mut [Lane; N], scale: f32, x: &[Lane; N]) {
 mod tests {
     use super::*;
     use crate::matrix::{From, To, add_outer, multiply};
-    use firmware_core::observation::{Form, cells};
+    use firmware_core::observation::{BuildObservation, cells};
     use proptest::prelude::*;
 
     /// Some inputs only, so that others repeat and dense rows can hold them.
@@ -281,7 +281,7 @@ mod tests {
     fn samples_are_counted_without_their_zeros() {
         let mut rows = ActiveRows::new(Cells::LEN);
         rows.push(&Cells::new([0, 5], [1, 2, 2]));
-        rows.push(&Cells::BLANK);
+        rows.push(&Cells::ZERO);
         assert_eq!(rows.marked(), 4);
         rows.clear();
         assert_eq!(rows.marked(), 0);

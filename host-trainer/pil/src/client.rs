@@ -5,8 +5,10 @@ use crate::exchange::{Exchange, Options, name};
 use crate::records::{board, decided, heard, in_view, observe_request, observed, read};
 use firmware_core::geometry::{State, Vec2};
 use firmware_core::message::{MAX_LEN, Message};
-use firmware_core::neighbour_table::{Answer, Moment};
-use firmware_core::pil::{ActorInfo, Decided, Fault, Hear, MAX_CASES, Refusal, Reply, Report, Request, Setup, Status};
+use firmware_core::neighbour_table::{MessageOutcome, Moment};
+use firmware_core::pil::{
+    ActorError, ActorInfo, Decided, Hear, MAX_CASES, Reply, Report, Request, RequestError, Setup, Status,
+};
 use std::io::{Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::Duration;
@@ -20,7 +22,7 @@ pub struct Board {
     /// Version of its firmware.
     pub software: String,
     /// Its actor, or why it has none that may fly.
-    pub actor: Result<ActorInfo, Fault>,
+    pub actor: Result<ActorInfo, ActorError>,
 }
 
 impl From<Report<'_>> for Board {
@@ -32,8 +34,8 @@ impl From<Report<'_>> for Board {
 /// What became of a neighbour's message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Heard {
-    /// The table's answer. [`Answer::Repeated`] may mean that the first attempt's answer was lost.
-    pub answer: Answer,
+    /// What became of the message. [`MessageOutcome::Repeated`] may mean that the first attempt's answer was lost.
+    pub outcome: MessageOutcome,
     /// UAVs in the table now.
     pub kept: u8,
 }
@@ -121,7 +123,7 @@ impl<S: Read + Write> Client<S> {
     /// Tells the board whom it flies for; its neighbour table starts empty.
     ///
     /// # Errors
-    /// See [`PilError`]; [`Refusal::Fault`] when the board has no sound actor.
+    /// See [`PilError`]; [`RequestError::Actor`] when the board has no sound actor.
     pub fn hello(&mut self, setup: Setup) -> Result<Board, PilError> {
         self.ask(&Request::Hello(setup), board)
     }
@@ -145,10 +147,10 @@ impl<S: Read + Write> Client<S> {
     /// Passes on what may be a neighbour's message.
     ///
     /// # Errors
-    /// See [`PilError`]; [`Refusal::Message`] when it is none.
+    /// See [`PilError`]; [`RequestError::Message`] when it is none.
     pub fn hear_bytes(&mut self, now: Moment, own_position: Vec2, message: &[u8]) -> Result<Heard, PilError> {
         if message.len() > MAX_LEN {
-            return Err(PilError::Refused(Refusal::Message));
+            return Err(PilError::Refused(RequestError::Message));
         }
         let position = [own_position.x, own_position.y];
         self.ask(&Request::Hear(Hear { now, position, message }), heard)
@@ -172,7 +174,7 @@ impl<S: Read + Write> Client<S> {
     /// Lets the board decide the step that it observed last.
     ///
     /// # Errors
-    /// See [`PilError`]; [`Refusal::NotObserved`] when that was another step.
+    /// See [`PilError`]; [`RequestError::NotObserved`] when that was another step.
     pub fn decide(&mut self, step: u32) -> Result<Decided, PilError> {
         self.ask(&Request::Decide { step }, |reply| decided(step, reply))
     }

@@ -1,6 +1,6 @@
 //! What can go wrong between host and board.
 
-use firmware_core::pil::{MAX_POIS, Refusal, VERSION};
+use firmware_core::pil::{MAX_POIS, RequestError, VERSION};
 
 /// Why a request has no result.
 #[derive(Debug, thiserror::Error)]
@@ -26,7 +26,7 @@ pub enum PilError {
     Version(u8),
     /// The board did not do it.
     #[error(transparent)]
-    Refused(Refusal),
+    Refused(RequestError),
     /// An intact answer of another kind, or one that cannot be read.
     #[error("the board's answer to '{request}' makes no sense: update the older of the two")]
     Unexpected {

@@ -1,7 +1,9 @@
 //! Requests and their answers as bytes, with time-outs and further attempts.
 
 use crate::PilError;
-use firmware_core::pil::{Deframer, FrameError, MAX_REPLY, MAX_REQUEST, Request, UNASKED, frame_len, seal, unseal};
+use firmware_core::pil::{
+    Deframer, FrameError, MAX_REPLY, MAX_REQUEST, Request, UNASKED, decode_frame, encode_frame, frame_len,
+};
 use std::collections::VecDeque;
 use std::io::{Error, ErrorKind, Read, Write};
 use std::time::{Duration, Instant};
@@ -158,7 +160,9 @@ impl<S: Read + Write> Exchange<S> {
             self.tag = if self.tag == u8::MAX { UNASKED + 1 } else { self.tag + 1 };
             tags.push(self.tag);
             let mut buffer = [0; frame_len(MAX_REQUEST)];
-            bytes.extend_from_slice(seal(self.tag, request, &mut buffer).ok_or(Error::from(ErrorKind::InvalidInput))?);
+            bytes.extend_from_slice(
+                encode_frame(self.tag, request, &mut buffer).ok_or(Error::from(ErrorKind::InvalidInput))?,
+            );
         }
         self.stream.write_all(&bytes)?;
         self.stream.flush()?;
@@ -177,7 +181,7 @@ impl<S: Read + Write> Exchange<S> {
                     }
                     None => continue,
                 };
-                match unseal(content) {
+                match decode_frame(content) {
                     Ok((tag, record)) => return Ok(Some(Frame { tag, record: record.to_vec() })),
                     Err(FrameError::Version(version)) => return Err(PilError::Version(version)),
                     Err(_) => self.dropped += 1,

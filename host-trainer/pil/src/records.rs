@@ -4,7 +4,7 @@ use crate::PilError;
 use crate::client::{Board, Heard, Observed};
 use firmware_core::geometry::{OBSERVATION_RANGE_U, State, TICKS_PER_U, Vec2};
 use firmware_core::neighbour_table::Moment;
-use firmware_core::pil::{Decided, MAX_POIS, Observe, POI_BYTES, Refusal, Reply, Report, Request};
+use firmware_core::pil::{Decided, MAX_POIS, Observe, POI_BYTES, Reply, Report, Request, RequestError};
 
 /// Makes of an answer what `pick` does; what it does not pick is unexpected.
 pub(crate) fn read<T>(
@@ -13,7 +13,7 @@ pub(crate) fn read<T>(
     pick: impl FnOnce(Reply<'_>) -> Option<Result<T, PilError>>,
 ) -> Result<T, PilError> {
     match postcard::take_from_bytes(record) {
-        Ok((Reply::Refused(Refusal::Version(version)), [])) => Err(PilError::Version(version)),
+        Ok((Reply::Refused(RequestError::Version(version)), [])) => Err(PilError::Version(version)),
         Ok((Reply::Refused(refusal), [])) => Err(PilError::Refused(refusal)),
         Ok((reply, [])) => pick(reply).unwrap_or(Err(PilError::Unexpected { request })),
         _ => Err(PilError::Unexpected { request }),
@@ -44,7 +44,7 @@ pub(crate) const fn observe_request(now: Moment, own: State, pois: &[u8]) -> Req
 
 pub(crate) const fn heard(reply: Reply<'_>) -> Option<Result<Heard, PilError>> {
     match reply {
-        Reply::Heard { answer, kept } => Some(Ok(Heard { answer, kept })),
+        Reply::Heard { outcome, kept } => Some(Ok(Heard { outcome, kept })),
         _ => None,
     }
 }
@@ -68,7 +68,7 @@ pub(crate) const fn decided(step: u32, reply: Reply<'_>) -> Option<Result<Decide
 /// A board that may fly, out of its report.
 pub(crate) fn board(reply: Reply<'_>) -> Option<Result<Board, PilError>> {
     match reply {
-        Reply::Report(Report { actor: Err(fault), .. }) => Some(Err(PilError::Refused(Refusal::Fault(fault)))),
+        Reply::Report(Report { actor: Err(fault), .. }) => Some(Err(PilError::Refused(RequestError::Actor(fault)))),
         Reply::Report(report) => Some(Ok(report.into())),
         _ => None,
     }

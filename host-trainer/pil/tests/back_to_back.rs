@@ -10,10 +10,10 @@ use covey_pil::{Client, Options, PilError, Turn};
 use firmware_core::action::{ACTIONS, Action};
 use firmware_core::actor::{Actor, Aggregation, Logits, Mode, fingerprint};
 use firmware_core::geometry::{State, TICKS_PER_U, Vec2};
-use firmware_core::message::{Beacon, Feature, Header, Message};
-use firmware_core::neighbour_table::{Answer, Moment, NeighbourTable, PolicyId};
+use firmware_core::message::{Beacon, FeatureMessage, Header, Message};
+use firmware_core::neighbour_table::{MessageOutcome, Moment, NeighbourTable};
 use firmware_core::observation::{Neighbours, Scene, observe};
-use firmware_core::pil::{Fault, Refusal, Setup};
+use firmware_core::pil::{ActorError, RequestError, Setup};
 use pipe::{Line, Pipe};
 use proptest::prelude::*;
 use std::time::Duration;
@@ -36,7 +36,7 @@ struct Home<'a> {
 
 impl<'a> Home<'a> {
     fn new(actor: Actor<'a>, setup: Setup) -> Self {
-        Self { actor, setup, table: NeighbourTable::new(setup.id, PolicyId::of(&actor), setup.step_ms) }
+        Self { actor, setup, table: NeighbourTable::new(setup.id, actor.policy_id(), setup.step_ms) }
     }
 
     /// Feature message, logits, action, and number of features.
@@ -59,7 +59,7 @@ impl<'a> Home<'a> {
         let h = self.actor.encode(&observe(&scene, pois.iter().copied()));
         let degree = view.as_slice().len() as u8 + 1;
         let header = Header { id, sequence: now.step as u16, step: now.step };
-        let message = Feature::of(header, degree, &self.actor, &h).map(Message::Feature);
+        let message = FeatureMessage::from_actor(header, degree, &self.actor, &h).map(Message::Feature);
         for m in features {
             let _ = self.table.hear(m, own.position, now);
         }
@@ -72,12 +72,13 @@ impl<'a> Home<'a> {
 /// Neighbours' messages of a step, from random numbers.
 fn messages(step: u32, draws: &[(i32, i32, i8)], actor: &Actor<'_>) -> (Vec<Message>, Vec<Message>) {
     let time_ms = step * 2000;
-    let width = usize::from(PolicyId::of(actor).width.max(1));
+    let width = usize::from(actor.policy_id().width.max(1));
     let both = draws.iter().zip(1..).map(|(&(x, y, r), id)| {
         let header = Header { id, sequence: step as u16, step };
         let state = State { position: Vec2 { x: 100_000 + x, y: 100_000 + y }, velocity: Vec2 { x: y / 8, y: x / 8 } };
         let values = vec![r & 127; width];
-        let feature = Feature::new(header, 1 + (id % 17) as u8, actor.message_hash(), i16::from(r), &values).unwrap();
+        let feature =
+            FeatureMessage::new(header, 1 + (id % 17) as u8, actor.message_hash(), i16::from(r), &values).unwrap();
         (Message::Beacon(Beacon::new(header, time_ms, state, r)), Message::Feature(feature))
     });
     both.unzip()
@@ -195,7 +196,7 @@ fn a_board_without_a_sound_actor_is_refused() {
     file[200] ^= 4;
     let mut board = client(&file, Line::perfect(), AT_ONCE);
     let refused = board.hello(SETUP);
-    assert!(matches!(refused, Err(PilError::Refused(Refusal::Fault(Fault::Checksum)))), "{refused:?}");
+    assert!(matches!(refused, Err(PilError::Refused(RequestError::Actor(ActorError::Checksum)))), "{refused:?}");
     assert!(board.self_test().is_err());
 }
 
@@ -249,7 +250,7 @@ fn a_restart_on_the_way_is_noticed() {
     pipe.restart(&file);
     let mut board = Client::new(pipe, AT_ONCE);
     let refused = board.decide(3);
-    assert!(matches!(refused, Err(PilError::Refused(Refusal::NotStarted))), "{refused:?}");
+    assert!(matches!(refused, Err(PilError::Refused(RequestError::NotStarted))), "{refused:?}");
     let report = board.restarted().unwrap();
     assert_eq!(board.hello(SETUP).unwrap(), report);
     assert_eq!(board.restarted(), None);
@@ -287,11 +288,11 @@ fn bytes_that_are_no_message_are_refused() {
     board.hello(SETUP).unwrap();
     for bytes in [&[1, 1, 1][..], &[0; 500]] {
         let refused = board.hear_bytes(Moment::default(), Vec2::default(), bytes);
-        assert!(matches!(refused, Err(PilError::Refused(Refusal::Message))), "{refused:?}");
+        assert!(matches!(refused, Err(PilError::Refused(RequestError::Message))), "{refused:?}");
     }
     let own = Message::Beacon(Beacon::new(Header::default(), 0, State::default(), 0));
     let heard = board.hear(Moment::default(), Vec2::default(), &own).unwrap();
-    assert_eq!((heard.answer, heard.kept), (Answer::OwnId, 0));
+    assert_eq!((heard.outcome, heard.kept), (MessageOutcome::OwnId, 0));
 }
 
 #[test]

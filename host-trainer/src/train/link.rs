@@ -12,7 +12,7 @@ use covey_env::random::{below, stream, unit};
 use covey_env::{Neighbourhood, ObservationSliceMut, Observer, World};
 use firmware_core::geometry::{COMMUNICATION_RANGE_U, SPEED_CAP_U};
 use firmware_core::neighbour_table::{DEFAULT_STEP_MS, MAX_AGE_STEPS};
-use firmware_core::observation::Form;
+use firmware_core::observation::BuildObservation;
 
 /// How far training's radio reaches, u: where nothing is lost it is a perfect one.
 const REACH_U: i32 = COMMUNICATION_RANGE_U + MAX_AGE_STEPS * 2 * SPEED_CAP_U;
@@ -60,7 +60,7 @@ impl Eyes {
         }
     }
 
-    fn observe_as<O: Form>(&mut self, world: &World, out: &mut [O], links: &mut [Neighbourhood]) {
+    fn observe_as<O: BuildObservation>(&mut self, world: &World, out: &mut [O], links: &mut [Neighbourhood]) {
         match self {
             Self::Perfect(observer) => observer.observe(world, out, links),
             Self::Linked(observer) => observer.observe(world, out, links),

@@ -1,4 +1,4 @@
-"""A second implementation of what UAVs of a swarm tell each other: it listens and checks, or plays neighbours.
+"""A second implementation of neighbour messages: it checks those of a swarm, or plays neighbours.
 
 `message.py` is written from docs/messages.md and shares nothing with the on-board code.
 """

@@ -19,7 +19,7 @@ _TURN_S = 0.25
 def main(arguments: list[str] | None = None) -> int:
     """Listens or plays until its time is over; returns the exit status."""
     logging.basicConfig(level=logging.INFO, stream=sys.stderr, format="neighbours: %(message)s")
-    logging.getLogger("pymavlink").setLevel(logging.WARNING)  # it tells of every refused signature
+    logging.getLogger("pymavlink").setLevel(logging.WARNING)  # it logs every rejected signature
     options = _parser().parse_args(arguments)
     try:
         key = read_key(options.key_file) if options.key_file else None
@@ -42,10 +42,10 @@ def _listen(options: argparse.Namespace, link: SwarmSocket, key: bytes | None) -
     heard = 0
     try:
         for datagram in _datagrams(link, options.seconds):
-            for message in checker.take(datagram):
+            for message in checker.check(datagram):
                 heard += 1
                 if options.verbose:
-                    print(spoken(message), flush=True)
+                    print(describe(message), flush=True)
             if options.messages is not None and heard >= options.messages:
                 break
     except KeyboardInterrupt:
@@ -63,7 +63,7 @@ def _play(options: argparse.Namespace, link: SwarmSocket, key: bytes | None) -> 
     sent = 0
     try:
         for datagram in _datagrams(link, options.seconds):
-            for answer in ghost.hear(datagram):
+            for answer in ghost.receive(datagram):
                 link.send(answer)
                 sent += 1
     except KeyboardInterrupt:
@@ -73,7 +73,7 @@ def _play(options: argparse.Namespace, link: SwarmSocket, key: bytes | None) -> 
 
 
 def _datagrams(link: SwarmSocket, seconds: float | None):
-    """What comes in, for so long."""
+    """Received datagrams, for this many seconds."""
     end = None if seconds is None else time.monotonic() + seconds
     while end is None or time.monotonic() < end:
         datagram = link.receive(_TURN_S)
@@ -81,7 +81,7 @@ def _datagrams(link: SwarmSocket, seconds: float | None):
             yield datagram
 
 
-def spoken(message: Message) -> str:
+def describe(message: Message) -> str:
     """A message as a line."""
     who = f"UAV {message.id:3} step {message.step} #{message.sequence}"
     if isinstance(message, Beacon):

@@ -1,4 +1,4 @@
-"""Judges what is said on a swarm link: form, sequence, steps, motion, one policy for all."""
+"""Checks the messages on a swarm link: form, sequence, steps, motion, one policy for all."""
 
 import math
 from collections import Counter, deque
@@ -13,14 +13,14 @@ TICKS_PER_U = 1024
 FASTEST_U = 6.0
 """u/step: what a receiver extrapolates with at most."""
 JUMP_U = 2.0
-"""What a position may be off besides."""
+"""Allowed deviation of a position besides."""
 _KEPT_PROBLEMS = 100
 _REMEMBERED = 256
 
 
 @dataclass
 class Sender:
-    """What one UAV has said."""
+    """Counts and last messages of one UAV."""
 
     beacons: int = 0
     features: int = 0
@@ -34,7 +34,7 @@ class Sender:
 
 
 class Checker:
-    """Fed with datagrams; keeps counts by sender and what is wrong."""
+    """Checks datagrams; keeps counts by sender and by problem."""
 
     def __init__(self, key: bytes | None = None, step_ms: int | None = None) -> None:
         self._endpoint = Endpoint(255, frames.COMPONENT, key)
@@ -47,8 +47,8 @@ class Checker:
         self.problems: list[str] = []
         self.others = 0
 
-    def take(self, datagram: bytes) -> list[Message]:
-        """Judges a datagram; returns its messages, sound ones only."""
+    def check(self, datagram: bytes) -> list[Message]:
+        """Checks a datagram; returns its well-formed messages."""
         messages = []
         for frame in self._endpoint.unpack(datagram):
             try:
@@ -60,7 +60,7 @@ class Checker:
             if message is None:
                 self.others += 1
             else:
-                self._judge(message)
+                self._check(message)
                 messages.append(message)
         return messages
 
@@ -69,7 +69,7 @@ class Checker:
         if len(self.problems) < _KEPT_PROBLEMS:
             self.problems.append(f"{kind}: {text}")
 
-    def _judge(self, message: Message) -> None:
+    def _check(self, message: Message) -> None:
         sender = self.senders.setdefault(message.id, Sender())
         if not self._in_sequence(sender, message):
             return
@@ -77,11 +77,11 @@ class Checker:
         sender.last_step = message.step
         if isinstance(message, Beacon):
             sender.beacons += 1
-            self._judge_beacon(sender, message)
+            self._check_beacon(sender, message)
             sender.beacon_steps.append(message.step)
         else:
             sender.features += 1
-            self._judge_feature(sender, message)
+            self._check_feature(sender, message)
         sender.last[type(message)] = message
 
     def _in_sequence(self, sender: Sender, message: Message) -> bool:
@@ -101,7 +101,7 @@ class Checker:
         sender.lost += ahead - 1
         return True
 
-    def _judge_beacon(self, sender: Sender, beacon: Beacon) -> None:
+    def _check_beacon(self, sender: Sender, beacon: Beacon) -> None:
         speed = math.hypot(beacon.vx, beacon.vy) / TICKS_PER_U
         if speed > FASTEST_U:
             self._wrong("too_fast", f"UAV {beacon.id}: {speed:.1f} u/step")
@@ -119,7 +119,7 @@ class Checker:
         if way_u > JUMP_U + FASTEST_U * max(step_part, 0.0):
             self._wrong("teleport", f"UAV {beacon.id}: {way_u:.1f} u in {steps} steps")
 
-    def _judge_feature(self, sender: Sender, feature: Feature) -> None:
+    def _check_feature(self, sender: Sender, feature: Feature) -> None:
         self.actors[feature.actor] += 1
         self.widths[len(feature.values)] += 1
         if len(self.actors) > 1 and feature.actor != self.actors.most_common(1)[0][0]:

@@ -1,7 +1,7 @@
-"""Neighbours that are not there: what a swarm must bear, made on purpose.
+"""Simulated neighbours that disturb a swarm on purpose.
 
-A ghost hears the swarm and speaks when the swarm does: at the first beacon of a new step it sends its own beacon with
-that step and time, at the first feature its own feature. So it keeps up with a simulation at any speed.
+A ghost listens to the swarm and sends when the swarm does: at the first beacon of a new step its own beacon with that
+step and time, at the first feature its own feature. So it keeps up with a simulation at any speed.
 """
 
 import random
@@ -18,8 +18,8 @@ KINDS = {
     "id-collision": "a second UAV with the id of another",
     "foreign-actor": "a UAV whose features come from another policy",
     "teleport": "a UAV that jumps 60 u every third step",
-    "replay": "what was heard, sent again two steps later",
-    "corrupt": "what was heard, with bits flipped, cut short, or two in one datagram with noise between",
+    "replay": "messages of others, sent again two steps later",
+    "corrupt": "messages of others, with bits flipped, cut short, or two in one datagram with noise between",
     "unsigned": "a UAV that does not sign",
 }
 """Every kind and what it does."""
@@ -29,7 +29,7 @@ JUMP_U, JUMP_STEPS, REPLAY_STEPS = 60, 3, 2
 
 @dataclass
 class Ghost:
-    """Fed with what the swarm says; returns datagrams to send."""
+    """Receives the swarm's datagrams and returns datagrams to send."""
 
     kind: str
     id: int = 200
@@ -53,8 +53,8 @@ class Ghost:
         self._hears = Endpoint(255, frames.COMPONENT, self.key)
         self._own: deque[bytes] = deque(maxlen=64)
 
-    def hear(self, datagram: bytes) -> list[bytes]:
-        """What it answers to a datagram."""
+    def receive(self, datagram: bytes) -> list[bytes]:
+        """The answers to a datagram."""
         if datagram in self._own:
             return []
         out: list[bytes] = []
@@ -65,7 +65,7 @@ class Ghost:
                 continue
             if message is not None:
                 out += self._answer(message, bytes(frame.get_msgbuf()))
-        self._own.extend(out)  # to know them when they come back by multicast
+        self._own.extend(out)  # to recognise them when multicast loops them back
         return out
 
     def _answer(self, message: Message, frame: bytes) -> list[bytes]:

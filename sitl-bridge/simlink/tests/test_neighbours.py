@@ -104,11 +104,11 @@ class Frames(unittest.TestCase):
         for sent in (ending, Beacon(9, 0, 0, 0, 0, 0, 0, 0, 0)):
             frame = frames.wrap(frames.endpoint_of(9), sent.encode())
             self.assertLess(len(frame), 12 + 5 + len(sent.encode()))
-            self.assertEqual(Checker().take(frame), [sent])
+            self.assertEqual(Checker().check(frame), [sent])
 
     def test_the_sender_in_the_frame_must_be_the_one_in_the_message(self):
         checker = Checker()
-        self.assertEqual(checker.take(frames.wrap(frames.endpoint_of(8), BEACON_BYTES)), [])
+        self.assertEqual(checker.check(frames.wrap(frames.endpoint_of(8), BEACON_BYTES)), [])
         self.assertEqual(checker.rejected, {"spoofed_id": 1})
 
     def test_ids_that_mavlink_has_no_system_for_are_refused(self):
@@ -119,10 +119,10 @@ class Frames(unittest.TestCase):
     def test_signatures(self):
         signed = frames.wrap(frames.endpoint_of(7, KEY), BEACON_BYTES)
         checker = Checker(KEY)
-        self.assertEqual(checker.take(signed), [BEACON])
-        self.assertEqual(checker.take(signed), [], "a replay")
-        self.assertEqual(checker.take(frames.wrap(frames.endpoint_of(7, OTHER_KEY), BEACON_BYTES)), [])
-        self.assertEqual(checker.take(frames.wrap(frames.endpoint_of(7), BEACON_BYTES)), [])
+        self.assertEqual(checker.check(signed), [BEACON])
+        self.assertEqual(checker.check(signed), [], "a replay")
+        self.assertEqual(checker.check(frames.wrap(frames.endpoint_of(7, OTHER_KEY), BEACON_BYTES)), [])
+        self.assertEqual(checker.check(frames.wrap(frames.endpoint_of(7), BEACON_BYTES)), [])
         self.assertEqual(checker.report()["unauthentic"], 3)
 
 
@@ -151,7 +151,7 @@ class Checking(unittest.TestCase):
     def test_a_sound_swarm(self):
         checker = Checker(step_ms=2000)
         for datagram in Swarm(1, 2, 3).datagrams(20):
-            checker.take(datagram)
+            checker.check(datagram)
         report = checker.report()
         self.assertTrue(report["sound"], report)
         self.assertEqual(
@@ -163,7 +163,7 @@ class Checking(unittest.TestCase):
         checker = Checker(step_ms=2000)
         for at, datagram in enumerate(Swarm(1).datagrams(20)):
             if at not in (4, 6, 11):
-                checker.take(datagram)
+                checker.check(datagram)
         self.assertEqual(checker.senders[1].lost, 3)
 
     def test_each_wrong_thing_has_its_name(self):
@@ -191,7 +191,7 @@ class Checking(unittest.TestCase):
         ):
             checker, endpoint = Checker(step_ms=2000), frames.endpoint_of(1)
             for m in (*good, wrong):
-                checker.take(frames.wrap(endpoint, m.encode()))
+                checker.check(frames.wrap(endpoint, m.encode()))
             self.assertIn(name, checker.report()["wrong"], wrong)
             self.assertFalse(checker.report()["sound"])
 
@@ -203,11 +203,11 @@ class Ghosts(unittest.TestCase):
         ghost = Ghost(kind, key=key, **options)
         sent = 0
         for datagram in Swarm(1, 2, key=key).datagrams(steps):
-            checker.take(datagram)
-            for answer in ghost.hear(datagram):
+            checker.check(datagram)
+            for answer in ghost.receive(datagram):
                 sent += 1
-                checker.take(answer)
-                self.assertEqual(ghost.hear(answer), [], "it does not talk to itself")
+                checker.check(answer)
+                self.assertEqual(ghost.receive(answer), [], "it does not talk to itself")
         self.assertGreater(sent, 3)
         return checker.report()
 
@@ -234,7 +234,7 @@ class Ghosts(unittest.TestCase):
     def test_a_seed_says_all(self):
         def said(seed: int) -> list[bytes]:
             ghost = Ghost("corrupt", seed=seed)
-            return [answer for datagram in Swarm(1, 2).datagrams(5) for answer in ghost.hear(datagram)]
+            return [answer for datagram in Swarm(1, 2).datagrams(5) for answer in ghost.receive(datagram)]
 
         self.assertEqual(said(4), said(4))
         self.assertNotEqual(said(4), said(5))

@@ -1,68 +1,70 @@
-//! The vehicle's clock, and the swarm's common clock by it.
+//! The vehicle's boot clock, and the swarm's common clock (Unix time) derived from it.
 
-/// A clock that goes back by less than this was overtaken on its way, ms.
+/// A `time_boot_ms` older than the newest by less than this comes from a reordered message, ms.
 const REORDERED_MS: i32 = 5_000;
-/// A clock that goes ahead by more than this at once is another clock, ms.
+/// A `time_boot_ms` ahead of the newest by more than this comes from another boot, ms.
 const LEAP_MS: i32 = 60_000;
-/// The common clock is set anew when the autopilot's idea of it moved by more than this, ms.
+/// The common clock is set again when SYSTEM_TIME moved against it by more than this, ms.
 const DRIFT_MS: i64 = 5;
 
-/// What a time from the vehicle was.
+/// How a received `time_boot_ms` relates to those before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tick {
-    /// Newer than, or as new as, the newest so far.
+pub enum ClockUpdate {
+    /// As new as the newest so far, or newer.
     Newer,
-    /// Older, by a little: overtaken on its way.
-    Older,
-    /// Another clock: the vehicle booted anew, or its clock jumped.
+    /// A little older: its message was overtaken by another.
+    Reordered,
+    /// The vehicle rebooted, or its clock jumped.
     Restarted,
 }
 
-/// `time_boot_ms`, which wraps after 49.7 days, as a time that does not.
+/// The vehicle's `time_boot_ms`, which wraps after 49.7 days, extended to a time that does not wrap, and
+/// the offset of Unix time to it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct VehicleClock {
     newest: Option<u32>,
-    /// Of the newest.
+    /// Extended time of the newest.
     extended_ms: i64,
     /// Common clock (Unix time, ms) less extended time.
     offset_ms: Option<i64>,
+    /// The offset comes from the host's clock and gives way to the vehicle's.
     host_offset: bool,
 }
 
 impl VehicleClock {
-    /// Takes in a time of the vehicle.
-    pub fn hear(&mut self, boot_ms: u32) -> Tick {
+    /// Takes in a `time_boot_ms`.
+    pub fn update(&mut self, boot_ms: u32) -> ClockUpdate {
         let Some(newest) = self.newest else {
             (self.newest, self.extended_ms) = (Some(boot_ms), i64::from(boot_ms));
-            return Tick::Newer;
+            return ClockUpdate::Newer;
         };
         let ahead = boot_ms.wrapping_sub(newest) as i32;
         if !(-REORDERED_MS..=LEAP_MS).contains(&ahead) {
             *self = Self { newest: Some(boot_ms), extended_ms: i64::from(boot_ms), ..Self::default() };
-            return Tick::Restarted;
+            return ClockUpdate::Restarted;
         }
         if ahead < 0 {
-            return Tick::Older;
+            return ClockUpdate::Reordered;
         }
         (self.newest, self.extended_ms) = (Some(boot_ms), self.extended_ms + i64::from(ahead));
-        Tick::Newer
+        ClockUpdate::Newer
     }
 
-    /// The newest time heard, as the vehicle says it.
+    /// The newest `time_boot_ms`.
     #[must_use]
     pub const fn newest(&self) -> Option<u32> {
         self.newest
     }
 
-    /// A time of the vehicle near the newest, extended.
+    /// A `time_boot_ms` near the newest, extended.
     #[must_use]
     pub fn extend(&self, boot_ms: u32) -> Option<i64> {
         let newest = self.newest?;
         Some(self.extended_ms + i64::from(boot_ms.wrapping_sub(newest) as i32))
     }
 
-    /// Takes in what the autopilot says about Unix time: ms of it at `boot_ms`. Returns by how
-    /// much the common clock was corrected, if it was.
+    /// Takes in SYSTEM_TIME: Unix time, ms, at `boot_ms`. Returns the correction of the common
+    /// clock, ms, if it was corrected.
     pub fn set_unix(&mut self, unix_ms: i64, boot_ms: u32) -> Option<i64> {
         let offset = unix_ms - self.extend(boot_ms)?;
         let moved = offset - self.offset_ms.unwrap_or(offset);
@@ -74,7 +76,7 @@ impl VehicleClock {
         None
     }
 
-    /// Takes the host's Unix time (ms) for the vehicle's newest, for want of a better one.
+    /// Sets the common clock by the host's Unix time, ms, where no SYSTEM_TIME has set it.
     pub fn set_host(&mut self, unix_ms: i64) {
         if self.offset_ms.is_none() && self.newest.is_some() {
             self.offset_ms = Some(unix_ms - self.extended_ms);
@@ -88,17 +90,10 @@ impl VehicleClock {
         self.offset_ms.is_some()
     }
 
-    /// The common clock at a time of the vehicle: Unix time, ms.
+    /// The common clock at a `time_boot_ms`: Unix time, ms.
     #[must_use]
     pub fn common_ms(&self, boot_ms: u32) -> Option<i64> {
         Some(self.extend(boot_ms)? + self.offset_ms?)
-    }
-
-    /// The vehicle's time at a moment of the common clock, wrapped as the vehicle wraps it.
-    #[must_use]
-    pub fn boot_ms(&self, common_ms: i64) -> Option<u32> {
-        let ahead = common_ms - self.offset_ms? - self.extended_ms;
-        Some(self.newest?.wrapping_add(ahead as u32))
     }
 }
 
@@ -109,13 +104,12 @@ mod tests {
     #[test]
     fn time_goes_on_over_the_wrap() {
         let mut clock = VehicleClock::default();
-        assert_eq!(clock.hear(u32::MAX - 99), Tick::Newer);
+        assert_eq!(clock.update(u32::MAX - 99), ClockUpdate::Newer);
         assert_eq!(clock.set_unix(1_790_000_000_000, u32::MAX - 99), None);
-        assert_eq!(clock.hear(100), Tick::Newer);
+        assert_eq!(clock.update(100), ClockUpdate::Newer);
         assert_eq!(clock.common_ms(100), Some(1_790_000_000_200));
-        assert_eq!(clock.hear(u32::MAX), Tick::Older);
+        assert_eq!(clock.update(u32::MAX), ClockUpdate::Reordered);
         assert_eq!(clock.common_ms(u32::MAX), Some(1_790_000_000_099));
-        assert_eq!(clock.boot_ms(1_790_000_000_099), Some(u32::MAX));
         // The autopilot says the same after the wrap, so nothing moves.
         assert_eq!(clock.set_unix(1_790_000_000_201, 101), None);
         assert_eq!(clock.set_unix(1_790_000_001_201, 101), Some(1000));
@@ -125,13 +119,13 @@ mod tests {
     #[test]
     fn a_reboot_forgets_the_common_clock() {
         let mut clock = VehicleClock::default();
-        clock.hear(100_000);
+        clock.update(100_000);
         clock.set_host(5_000_000);
         assert_eq!(clock.common_ms(100_000), Some(5_000_000));
-        assert_eq!(clock.hear(200), Tick::Restarted);
+        assert_eq!(clock.update(200), ClockUpdate::Restarted);
         assert_eq!(clock.common_ms(200), None);
         assert_eq!(clock.set_unix(6_000_000, 200), None);
         assert_eq!(clock.common_ms(300), Some(6_000_100));
-        assert_eq!(clock.hear(100_000), Tick::Restarted);
+        assert_eq!(clock.update(100_000), ClockUpdate::Restarted);
     }
 }

@@ -1,53 +1,24 @@
-//! How far a vehicle is, and what is told of it.
+//! Stages of a node's work with its autopilot.
 
-use std::fmt;
-
-/// Something to tell the operator.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Notice {
-    /// Whether it needs attention.
-    pub warning: bool,
-    /// In plain words.
-    pub text: String,
-}
-
-impl Notice {
-    /// All is well.
-    pub fn info(text: impl Into<String>) -> Self {
-        Self { warning: false, text: text.into() }
-    }
-
-    /// Something needs attention.
-    pub fn warning(text: impl Into<String>) -> Self {
-        Self { warning: true, text: text.into() }
-    }
-}
-
-impl fmt::Display for Notice {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.text)
-    }
-}
-
-/// How far the vehicle is.
+/// How far a node has come with its autopilot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// No autopilot was heard.
+    /// No HEARTBEAT of an autopilot was received yet.
     Silent,
-    /// Message rates are being asked for.
+    /// Message intervals are being requested with MAV_CMD_SET_MESSAGE_INTERVAL.
     Subscribing,
-    /// On the ground or in somebody else's hands.
+    /// Telemetry arrives; the vehicle is on the ground or flown by its pilot.
     Idle,
-    /// Under way into flight.
+    /// Mode change, arming or takeoff is under way.
     BringUp,
-    /// In the air and in the mode that takes setpoints.
+    /// In the air and in the mode that follows setpoints.
     Flying,
-    /// It could not be brought into flight, or it is none that can be flown.
+    /// The bring-up failed, or the vehicle is not supported.
     Failed,
 }
 
 impl Stage {
-    /// One word.
+    /// The stage in one word.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -59,13 +30,4 @@ impl Stage {
             Self::Failed => "failed",
         }
     }
-}
-
-/// What the node lets happen at a poll.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Leave {
-    /// Mode, arming and takeoff commands may be sent: the gate is open for a start.
-    pub may_start: bool,
-    /// Setpoints are being streamed.
-    pub streaming: bool,
 }

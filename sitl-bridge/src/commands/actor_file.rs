@@ -5,18 +5,18 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 use thiserror::Error;
 
-/// Why an actor file may not fly here.
+/// Why an actor file must not fly on this computer.
 #[derive(Debug, Error)]
-pub enum ActorFileError {
+pub(crate) enum ActorFileError {
     /// The file cannot be read.
     #[error("cannot read {}", path.display())]
     Read {
         /// The file.
         path: PathBuf,
-        /// The system's word.
+        /// The system's error.
         source: io::Error,
     },
-    /// It is no sound actor file.
+    /// It is damaged or no actor file.
     #[error("{} is no actor file that can fly", path.display())]
     Load {
         /// The file.
@@ -24,7 +24,7 @@ pub enum ActorFileError {
         /// What is wrong with it.
         source: LoadError,
     },
-    /// This computer gives other logits.
+    /// This computer computes other logits: the self-test failed.
     #[error("{} must not fly here", path.display())]
     SelfTest {
         /// The file.
@@ -36,13 +36,13 @@ pub enum ActorFileError {
 
 /// Arguments of `self-test`.
 #[derive(clap::Args)]
-pub struct SelfTest {
+pub(crate) struct SelfTest {
     /// The actor file.
     file: PathBuf,
 }
 
 impl SelfTest {
-    /// Prints one line when all vectors hold.
+    /// Runs the self-test and prints one line when it passes.
     ///
     /// # Errors
     /// See [`ActorFileError`].
@@ -55,10 +55,10 @@ impl SelfTest {
 
 /// Arguments of `signature`.
 #[derive(clap::Args)]
-pub struct Signature {
+pub(crate) struct Signature {
     /// The actor file.
     file: PathBuf,
-    /// Neighbourhoods to decide.
+    /// Number of neighbourhoods to decide.
     #[arg(long, default_value_t = FINGERPRINT_CASES)]
     cases: u32,
 }
@@ -84,7 +84,7 @@ fn with_actor(path: PathBuf, action: impl FnOnce(&Actor<'_>)) -> Result<(), Acto
 ///
 /// # Errors
 /// [`ActorFileError::Read`].
-pub fn read(path: &Path) -> Result<Vec<u8>, ActorFileError> {
+pub(crate) fn read(path: &Path) -> Result<Vec<u8>, ActorFileError> {
     fs::read(path).map_err(|source| ActorFileError::Read { path: path.to_owned(), source })
 }
 
@@ -93,7 +93,7 @@ pub fn read(path: &Path) -> Result<Vec<u8>, ActorFileError> {
 ///
 /// # Errors
 /// [`ActorFileError::Load`] or [`ActorFileError::SelfTest`]: it never flies.
-pub fn flight_ready<'a>(bytes: &'a [u8], path: &Path) -> Result<Actor<'a>, ActorFileError> {
+pub(crate) fn flight_ready<'a>(bytes: &'a [u8], path: &Path) -> Result<Actor<'a>, ActorFileError> {
     let actor = Actor::load(bytes).map_err(|source| ActorFileError::Load { path: path.to_owned(), source })?;
     match actor.self_test() {
         Ok(()) => Ok(actor),

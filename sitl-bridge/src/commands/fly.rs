@@ -1,13 +1,14 @@
 //! `fly`: one UAV.
 
 use super::actor_file::flight_ready;
-use super::common::{ActorArgs, Console, SigningArgs, TimingArgs, stop_flag};
-use super::view::{View, ViewMode};
+use super::args::{ActorArgs, SigningArgs, TimingArgs};
+use super::console::{Console, stop_flag};
 use crate::connection::{Address, Connection};
-use crate::mission::{Mission, PoiMap};
-use crate::node::run::{Control, Links, Report, run};
-use crate::node::{FeedForward, Node, Settings, gate_limits};
-use crate::swarm_link::{SwarmAddress, SwarmSocket, system_of};
+use crate::mission::Mission;
+use crate::node::run::{Links, NodeEvent, RunControl, run};
+use crate::node::{Node, Settings, gate_limits};
+use crate::status_view::{StatusView, ViewMode};
+use crate::swarm_link::{SwarmAddress, SwarmSocket};
 use crate::tlog::TlogWriter;
 use firmware_core::gate::Limits;
 use miette::{IntoDiagnostic as _, Result, WrapErr as _};
@@ -17,7 +18,7 @@ use std::sync::mpsc::channel;
 
 /// Arguments of `fly`.
 #[derive(clap::Args)]
-pub struct Fly {
+pub(crate) struct Fly {
     /// The UAV's id, 0 to 254: no two of a swarm have the same.
     #[arg(long)]
     id: u16,
@@ -82,13 +83,8 @@ impl Fly {
         }
         let base = if self.simulated { Limits::simulation() } else { Limits::default() };
         let settings = Settings {
-            id: self.id,
-            system: self.system.or_else(|| system_of(self.id)).unwrap_or(u8::MAX),
-            actor,
-            pois: Arc::new(PoiMap::new(&mission.pois)),
             timing: self.timing.timing(mission.scale.step_ms)?,
             limits: gate_limits(base, &mission),
-            feed_forward: FeedForward::Ramp,
             take_off: self.takeoff,
             rate_hz: f64::from(self.timing.rate_hz()),
             source: autopilot.source(),
@@ -96,33 +92,34 @@ impl Fly {
             swarm_signing,
             record: tlog.is_some(),
             advice: autopilot.advice(),
-            mission: Arc::clone(&mission),
+            ..Settings::new(self.id, actor, Arc::clone(&mission))
         };
+        let settings = Settings { system: self.system.unwrap_or(settings.system), ..settings };
         let mut node = Node::new(settings, self.signing.session(None)?).into_diagnostic()?;
-        let mut control = Control::new(stop, self.land_on_exit);
+        let mut control = RunControl::new(stop, self.land_on_exit);
         let console = Console::default();
-        control.orders = Some(console.listener());
+        control.commands = Some(console.listener());
         console.listen();
-        let (reports, received) = channel();
+        let (events, received) = channel();
         let json = self.json;
-        let mut view = View::new(ViewMode::detect(false), String::new(), self.id, 1, &mission.pois);
+        let mut view = StatusView::new(ViewMode::detect(false), String::new(), self.id, 1, &mission.pois);
         let printer = std::thread::spawn(move || {
-            for (_, report) in received {
-                view.hear(0, &report);
-                print(&report, json, &mut view);
+            for (_, event) in received {
+                view.update(0, &event);
+                print(&event, json, &mut view);
             }
             view.finish();
         });
         let links = Links { autopilot, swarm, tlog };
-        let flown = run(&mut node, links, &control, 0, &reports).into_diagnostic();
-        drop(reports);
+        let flown = run(&mut node, links, &control, 0, &events).into_diagnostic();
+        drop(events);
         let _ = printer.join();
         eprintln!("stopped: {}", parting(node.is_airborne(), self.land_on_exit));
         flown
     }
 }
 
-/// What becomes of a vehicle, or several, when the program ends.
+/// What happens to the vehicle, or to several, when the program ends.
 pub(super) const fn parting(airborne: bool, land: bool) -> &'static str {
     match (airborne, land) {
         (false, _) => "nothing was in the air",
@@ -131,20 +128,20 @@ pub(super) const fn parting(airborne: bool, land: bool) -> &'static str {
     }
 }
 
-/// One line of a report, as far as it is for people.
-fn print(report: &Report, json: bool, view: &mut View) {
-    match report {
-        Report::Notice(notice) => {
-            view.say(&format!("{}{notice}", if notice.warning { "warning: " } else { "" }));
+/// Prints an event: as a JSON line on standard output, or in words for the operator.
+fn print(event: &NodeEvent, json: bool, view: &mut StatusView) {
+    match event {
+        NodeEvent::Notice(notice) => {
+            view.print(&format!("{}{notice}", if notice.warning { "warning: " } else { "" }));
         }
-        Report::Begun(begun) if json => {
-            let ((x, y), (vx, vy)) = (begun.state.position.to_u(), begun.state.velocity.to_u());
+        NodeEvent::StepStarted(step) if json => {
+            let ((x, y), (vx, vy)) = (step.state.position.to_u(), step.state.velocity.to_u());
             println!(
                 "{}",
-                serde_json::json!({"step": begun.step, "common_ms": begun.common_ms, "u": [x, y], "v": [vx, vy]})
+                serde_json::json!({"step": step.step, "common_ms": step.common_ms, "u": [x, y], "v": [vx, vy]})
             );
         }
-        Report::Decision(d) => {
+        NodeEvent::Decision(d) => {
             if json {
                 let line = serde_json::json!({
                     "step": d.step, "decision": d.action, "boot_ms": d.boot_ms, "phase_ms": d.phase_ms, "late": d.late,
@@ -152,9 +149,13 @@ fn print(report: &Report, json: bool, view: &mut View) {
                 });
                 println!("{line}");
             } else if d.late {
-                view.say(&format!("warning: step {}: decided {} ms after its beginning", d.step, d.phase_ms));
+                view.print(&format!("warning: step {}: decided {} ms after its beginning", d.step, d.phase_ms));
             }
         }
-        Report::Begun(_) | Report::Stage(_) | Report::Clock(_) | Report::Status(_) | Report::Ended(_) => {}
+        NodeEvent::StepStarted(_)
+        | NodeEvent::Stage(_)
+        | NodeEvent::Clock(_)
+        | NodeEvent::Status(_)
+        | NodeEvent::Ended(_) => {}
     }
 }

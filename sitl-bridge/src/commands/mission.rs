@@ -6,7 +6,7 @@ use miette::{IntoDiagnostic as _, Result, WrapErr as _};
 
 /// Arguments of `mission`.
 #[derive(clap::Args)]
-pub struct WriteMission {
+pub(crate) struct WriteMission {
     /// Index of the world.
     #[arg(long, default_value_t = 0)]
     world: u64,

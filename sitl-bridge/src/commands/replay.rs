@@ -1,11 +1,11 @@
 //! `replay`: a recorded flight, decided again.
 
 use super::actor_file::flight_ready;
-use super::common::{ActorArgs, TimingArgs};
+use super::args::{ActorArgs, TimingArgs};
 use crate::frame::Source;
 use crate::mission::{Mission, PoiMap};
 use crate::node::{FeedForward, Node, Settings, gate_limits};
-use crate::replay::{Account, Judge, Replay, Survey};
+use crate::replay::{RecordingInfo, Replay, ReplayCheck, ReplayReport};
 use crate::signing::{LinkSigning, Session};
 use crate::tlog::TlogReader;
 use firmware_core::gate::Limits;
@@ -22,7 +22,7 @@ const TROUBLE: u8 = 2;
 /// Arguments of `replay`. It ends with 0 when every decision is the same, with 1 when one
 /// differs, and with 2 when the recording cannot be replayed.
 #[derive(clap::Args)]
-pub struct ReplayTlog {
+pub(crate) struct ReplayTlog {
     /// The recording, from `fly --tlog` or `swarm --tlog`.
     file: PathBuf,
     /// The mission that was flown; `swarm --sim --tlog` puts it beside the recordings.
@@ -68,7 +68,7 @@ impl ReplayTlog {
         let mission = Arc::new(Mission::read(&self.mission).into_diagnostic()?);
         let file = || format!("{} cannot be replayed", self.file.display());
         let open = || TlogReader::open(&self.file).into_diagnostic().wrap_err_with(file);
-        let survey = Survey::of(&mut open()?, self.id, self.system).into_diagnostic().wrap_err_with(file)?;
+        let info = RecordingInfo::of(&mut open()?, self.id, self.system).into_diagnostic().wrap_err_with(file)?;
         let base = if self.ideal {
             Limits::ideal()
         } else if self.simulated {
@@ -78,14 +78,14 @@ impl ReplayTlog {
         };
         let feed_forward = if self.ideal { FeedForward::Action } else { FeedForward::Ramp };
         let settings = Settings {
-            id: survey.id,
-            system: survey.system,
+            id: info.id,
+            system: info.system,
             actor,
             pois: Arc::new(PoiMap::new(&mission.pois)),
             timing: self.timing.timing(mission.scale.step_ms)?,
             limits: gate_limits(base, &mission),
             feed_forward,
-            take_off: survey.took_off,
+            take_off: info.took_off,
             rate_hz: f64::from(self.timing.rate_hz()),
             source: Source::Datagrams,
             // Only what was believed is in the log.
@@ -96,20 +96,20 @@ impl ReplayTlog {
             mission: Arc::clone(&mission),
         };
         let node = Node::new(settings, Session::new()).into_diagnostic()?;
-        let mut replay = Replay::new(node, survey, Judge::new(survey.id, mission.scale, feed_forward));
+        let mut replay = Replay::new(node, info, ReplayCheck::new(info.id, mission.scale, feed_forward));
         for record in open()? {
-            replay.take(&record.into_diagnostic().wrap_err_with(file)?);
+            replay.feed(&record.into_diagnostic().wrap_err_with(file)?);
         }
-        let account = replay.finish();
-        if let Some(flown) = account.flown_actor.filter(|&flown| flown != actor.message_hash()) {
+        let report = replay.finish();
+        if let Some(flown) = report.flown_actor.filter(|&flown| flown != actor.message_hash()) {
             eprintln!(
                 "warning: actor {flown:08x} was flown, and {} is {:08x}: name the other with --actor",
                 name.display(),
                 actor.message_hash()
             );
         }
-        self.tell(&survey, &account)?;
-        if account.decisions == 0 && account.is_equal() {
+        self.tell(&info, &report)?;
+        if report.decisions == 0 && report.is_equal() {
             return Err(miette!(
                 "no decision was made: mission {} begins step 0 at Unix time {} ms, and the recording has no position \
                  in the air after that; is it the mission that was flown?",
@@ -117,18 +117,18 @@ impl ReplayTlog {
                 mission.epoch_unix_ms
             ));
         }
-        Ok(account.is_equal())
+        Ok(report.is_equal())
     }
 
-    fn tell(&self, survey: &Survey, account: &Account) -> Result<()> {
-        if survey.skipped > 0 {
+    fn tell(&self, info: &RecordingInfo, report: &ReplayReport) -> Result<()> {
+        if info.skipped > 0 {
             eprintln!(
                 "warning: {}: {} bytes belong to no record: it is damaged, and frames are missing",
                 self.file.display(),
-                survey.skipped
+                info.skipped
             );
         }
-        if survey.cut {
+        if info.cut {
             eprintln!(
                 "warning: {}: it ends in the middle of a record, as after a power cut; what came before is used",
                 self.file.display()
@@ -136,19 +136,19 @@ impl ReplayTlog {
         }
         if self.json {
             let object = serde_json::json!({
-                "file": self.file, "uav": survey.id, "records": survey.records, "skipped_bytes": survey.skipped,
-                "cut": survey.cut, "equal_in_all": account.is_equal(), "account": account,
+                "file": self.file, "uav": info.id, "records": info.records, "skipped_bytes": info.skipped,
+                "cut": info.cut, "equal_in_all": report.is_equal(), "account": report,
             });
             println!("{}", serde_json::to_string_pretty(&object).into_diagnostic()?);
             return Ok(());
         }
         println!(
             "UAV {}: {} frames, {} decisions: {} of {} as they were flown, {} without a setpoint",
-            survey.id, survey.records, account.decisions, account.equal, account.compared, account.without_setpoint
+            info.id, info.records, report.decisions, report.equal, report.compared, report.without_setpoint
         );
-        account.differences.iter().take(TOLD).for_each(|difference| println!("{difference}"));
-        if account.differences.len() > TOLD {
-            println!("and {} more", account.differences.len() - TOLD);
+        report.differences.iter().take(TOLD).for_each(|difference| println!("{difference}"));
+        if report.differences.len() > TOLD {
+            println!("and {} more", report.differences.len() - TOLD);
         }
         Ok(())
     }

@@ -5,35 +5,35 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use thiserror::Error;
 
-/// The usual speed of telemetry radios and of autopilots' telemetry ports, bit/s.
+/// The usual baud rate of telemetry radios and of autopilots' telemetry ports, bit/s.
 const DEFAULT_BAUD: u32 = 57_600;
 
-/// Where a link goes. Read from strings such as `udpin:0.0.0.0:14550`, `udp://:14540`,
+/// The address of a link, read from strings such as `udpin:0.0.0.0:14550`, `udp://:14540`,
 /// `tcp:localhost:5760` or `serial:/dev/ttyACM0:57600`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Address {
-    /// Listens for datagrams and answers who sent them. `udp:` means this too.
+    /// Listens for datagrams and sends to the peer that sent authentic ones. `udp:` means this too.
     UdpIn {
         /// Own address, name or number; all of the computer's with 0.0.0.0 or `::`.
         host: String,
         /// Own port; 0 takes a free one.
         port: u16,
     },
-    /// Sends datagrams to one address and hears only that.
+    /// Sends datagrams to one address and receives only from it.
     UdpOut {
         /// The other end, name or number.
         host: String,
         /// Its port.
         port: u16,
     },
-    /// Connects to a server.
+    /// A TCP client.
     Tcp {
         /// The server, name or number.
         host: String,
         /// Its port.
         port: u16,
     },
-    /// Is a server for one client at a time.
+    /// A TCP server for one client at a time.
     TcpIn {
         /// Own address, name or number.
         host: String,
@@ -44,25 +44,25 @@ pub enum Address {
     Serial {
         /// The device.
         path: PathBuf,
-        /// Its speed, bit/s.
+        /// Its baud rate, bit/s.
         baud: u32,
     },
 }
 
-/// What is wrong with a connection string.
+/// Why a connection string is refused.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum AddressError {
-    /// It begins with no kind of connection.
+    /// It does not begin with a kind of connection.
     #[error(
         "`{0}` names no kind of connection: write udpin, udpout, tcp, tcpin or serial in front, as in `udpin:0.0.0.0:14550`"
     )]
     NoKind(String),
-    /// It begins with a kind there is not.
+    /// It begins with an unknown kind of connection.
     #[error(
         "`{0}` is no kind of connection: there are udp, udpin, udpout, tcp, tcpin and serial, as in `udpin:0.0.0.0:14550`"
     )]
     UnknownKind(String),
-    /// The host is missing where there is no telling which.
+    /// The host is missing, and the kind of link has no default.
     #[error("`{0}` lacks the host to connect to, as in `{1}:192.168.1.20:14550`")]
     NoHost(String, &'static str),
     /// The port is missing.
@@ -77,7 +77,7 @@ pub enum AddressError {
     /// The serial line's device is missing.
     #[error("`{0}` lacks the device, as in `serial:/dev/ttyACM0:57600`")]
     NoDevice(String),
-    /// The serial line's speed is no number.
+    /// The serial line's baud rate is no number.
     #[error("`{0}` is no speed in bit/s, as in `serial:/dev/ttyACM0:57600`")]
     BadBaud(String),
 }
@@ -105,7 +105,7 @@ impl FromStr for Address {
     }
 }
 
-/// As it can be read again, in the shortest form.
+/// The shortest string that reads back as the same address.
 impl fmt::Display for Address {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (kind, host, port) = match self {
@@ -132,7 +132,7 @@ fn listener(text: &str, rest: &str, kind: &'static str) -> Result<(String, u16),
     Ok((if host.is_empty() { "0.0.0.0".into() } else { host.into() }, port))
 }
 
-/// Host and port of somebody else: both must be there.
+/// Host and port of the other end: both are required.
 fn target(text: &str, rest: &str, kind: &'static str) -> Result<(String, u16), AddressError> {
     if !rest.is_empty() && rest.bytes().all(|b| b.is_ascii_digit()) {
         return Err(AddressError::NoHost(text.into(), kind));

@@ -1,4 +1,4 @@
-//! Why a link cannot be opened, and what to do about it.
+//! Errors of opening a link, and what to do about them.
 
 use std::io::{self, ErrorKind};
 use std::path::PathBuf;
@@ -7,20 +7,20 @@ use thiserror::Error;
 /// Why a link cannot be opened.
 #[derive(Debug, Error)]
 pub enum OpenError {
-    /// Nobody knows the host's name.
+    /// The host's name is unknown.
     #[error("cannot find the host `{host}`: check its spelling, or write its number")]
     Resolve {
         /// The name.
         host: String,
-        /// The system's word.
+        /// The system's error.
         source: io::Error,
     },
-    /// The own address or port cannot be had.
+    /// The own address or port is not available.
     #[error("cannot listen on {address}: {}", bind_hint(source))]
     Bind {
         /// Address and port.
         address: String,
-        /// The system's word.
+        /// The system's error.
         source: io::Error,
     },
     /// The other end cannot be reached.
@@ -28,7 +28,7 @@ pub enum OpenError {
     Connect {
         /// Address and port.
         address: String,
-        /// The system's word.
+        /// The system's error.
         source: io::Error,
     },
     /// The serial line cannot be used.
@@ -36,7 +36,7 @@ pub enum OpenError {
     Serial {
         /// The device.
         path: PathBuf,
-        /// The system's word.
+        /// The system's error.
         source: io::Error,
     },
 }

@@ -1,6 +1,9 @@
-//! Streams, which break and are mended: TCP and serial lines.
+//! Links that are streams: TCP and serial lines. A stream that breaks reconnects by itself.
 
-use super::{OpenError, Peer, Received, Sent, Watch, resolve};
+use super::error::OpenError;
+use super::poll::Watch;
+use super::resolve::resolve;
+use super::transfer::{Peer, Received, Sent};
 use rustix::fs::{Mode, OFlags};
 use rustix::termios::{
     ControlModes, InputModes, OptionalActions, SpecialCodeIndex, ioctl_tiocexcl, tcgetattr, tcsetattr,
@@ -13,18 +16,18 @@ use std::os::fd::{AsFd as _, BorrowedFd};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// How long after a failure the next try comes.
+/// Time between a failure and the next attempt to reconnect.
 const RETRY: Duration = Duration::from_secs(1);
 
-/// A TCP peer that acknowledges nothing for so long is gone.
+/// A TCP peer that acknowledges nothing for so long is considered gone (TCP_USER_TIMEOUT).
 const GONE: Duration = Duration::from_secs(5);
 
-/// A stream and the way to get it back.
+/// A stream and how to open it again.
 #[derive(Debug)]
 pub(super) struct StreamLink {
     dialer: Dialer,
     state: State,
-    /// The end of a frame that the line had no room for.
+    /// The rest of a frame that the transmit buffer had no room for.
     unsent: Vec<u8>,
 }
 
@@ -47,11 +50,11 @@ enum Dialer {
 
 #[derive(Debug)]
 enum State {
-    /// Nothing until then.
+    /// Broken; the next attempt is at this time.
     Down {
         until: Instant,
     },
-    /// A TCP connection being made.
+    /// A TCP connection is being established.
     Dialing(TcpStream),
     Up(Line),
 }
@@ -92,7 +95,7 @@ impl StreamLink {
         Ok(Self::new(Dialer::Tcp { to, next: 0 }, State::Down { until: Instant::now() }))
     }
 
-    /// Is a server for one client at a time.
+    /// A server for one client at a time.
     pub(super) fn accept(host: &str, port: u16) -> Result<Self, OpenError> {
         let own = resolve(host, port)?[0];
         let failed = |source| OpenError::Bind { address: own.to_string(), source };
@@ -113,7 +116,7 @@ impl StreamLink {
     }
 
     pub(super) fn recv(&mut self, buffer: &mut [u8]) -> Received {
-        match self.mend() {
+        match self.reconnect() {
             Ok(true) => return Received::Connected,
             Ok(false) => {}
             Err(error) => return self.lose(error),
@@ -135,7 +138,7 @@ impl StreamLink {
         if !self.unsent.is_empty() {
             return Sent::Full;
         }
-        // All or nothing of a frame goes out: what the line has no room for waits here.
+        // A frame is sent whole or not at all: what the transmit buffer has no room for waits here.
         self.unsent.extend_from_slice(bytes);
         if self.flush() { Sent::Yes } else { Sent::NoPeer }
     }
@@ -181,8 +184,8 @@ impl StreamLink {
         }
     }
 
-    /// Brings a broken stream nearer to a whole one. `true` when it just became whole.
-    fn mend(&mut self) -> io::Result<bool> {
+    /// Takes the next step towards a connected stream. `true` when it has just become connected.
+    fn reconnect(&mut self) -> io::Result<bool> {
         let line = match (&mut self.state, &mut self.dialer) {
             (State::Up(_), _) => return Ok(false),
             (State::Dialing(stream), _) => match connected(stream)? {
@@ -210,7 +213,8 @@ impl StreamLink {
         Ok(true)
     }
 
-    /// Only a stream that was whole is reported as lost; failing to mend it is not news.
+    /// Marks the stream as broken. Only one that was connected is reported as lost; a failed reconnection is
+    /// not.
     fn lose(&mut self, error: io::Error) -> Received {
         let was_up = matches!(self.state, State::Up(_));
         self.state = State::Down { until: Instant::now() + RETRY };
@@ -218,8 +222,8 @@ impl StreamLink {
         if was_up { Received::Lost(error) } else { Received::Nothing }
     }
 
-    /// Sends what waits, as far as the line has room; `false` when there is no line. A line that
-    /// breaks here is found broken by the next read.
+    /// Sends what waits, as far as the transmit buffer has room; `false` when the stream is broken. The next
+    /// read then reports it.
     fn flush(&mut self) -> bool {
         let State::Up(line) = &mut self.state else { return false };
         while !self.unsent.is_empty() {
@@ -244,15 +248,14 @@ fn dial(to: SocketAddr) -> io::Result<TcpStream> {
     }
 }
 
-/// Nothing waits: neither calls, nor frames for others to go along, nor we for a computer that
-/// is gone.
+/// Makes calls non-blocking, sends each frame at once (TCP_NODELAY), and gives up a peer that is gone.
 fn prepare(socket: &Socket) -> io::Result<()> {
     socket.set_nonblocking(true)?;
     socket.set_tcp_nodelay(true)?;
     socket.set_tcp_user_timeout(Some(GONE))
 }
 
-/// Whether a connection has come about.
+/// Whether the connection is established.
 fn connected(stream: &TcpStream) -> io::Result<bool> {
     if let Some(error) = stream.take_error()? {
         return Err(error);
@@ -275,7 +278,7 @@ fn open_serial(path: &Path, baud: u32) -> io::Result<File> {
     modes.input_modes -= InputModes::IXON | InputModes::IXOFF | InputModes::IXANY;
     modes.control_modes |= ControlModes::CLOCAL | ControlModes::CREAD;
     modes.control_modes -= ControlModes::CRTSCTS | ControlModes::CSTOPB;
-    // A read without bytes says so at once: 0 would mean that the line is gone.
+    // A read without bytes fails at once (VMIN = 1): a length of 0 means that the line is gone.
     modes.special_codes[SpecialCodeIndex::VMIN] = 1;
     modes.special_codes[SpecialCodeIndex::VTIME] = 0;
     modes.set_speed(baud)?;

@@ -1,6 +1,9 @@
-//! Datagrams.
+//! UDP links.
 
-use super::{OpenError, Peer, Received, Sent, Watch, resolve};
+use super::error::OpenError;
+use super::poll::Watch;
+use super::resolve::resolve;
+use super::transfer::{Peer, Received, Sent};
 use std::io::{self, ErrorKind};
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
 use std::os::fd::AsFd as _;
@@ -15,9 +18,9 @@ pub(super) struct UdpLink {
 
 #[derive(Debug)]
 enum Role {
-    /// Answers the peer that was confirmed last.
+    /// Sends to the peer that was confirmed last.
     Listens { peer: Option<SocketAddr> },
-    /// Is connected: the system drops what others send.
+    /// A connected socket: the system drops datagrams of other senders.
     Sends { to: SocketAddr },
 }
 
@@ -28,7 +31,7 @@ impl UdpLink {
         Self::bind(own, Role::Listens { peer: None })
     }
 
-    /// Talks to one address.
+    /// A link that sends to and receives from one address.
     pub(super) fn to(host: &str, port: u16) -> Result<Self, OpenError> {
         let to = resolve(host, port)?[0];
         let own = match to {
@@ -109,8 +112,8 @@ impl UdpLink {
     }
 }
 
-/// Whether an error only says that nothing is there: no datagram, or nobody at the other end's
-/// port just now (a simulator that is restarted).
+/// Whether an error only means that there is nothing to receive: no datagram, or no program at the
+/// other end's port just now (a simulator that is being restarted).
 fn is_nothing(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::ConnectionRefused | ErrorKind::Interrupted)
 }

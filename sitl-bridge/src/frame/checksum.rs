@@ -1,5 +1,5 @@
-//! MAVLink's checksum: CRC-16/MCRF4XX over the frame from its length byte on, then one byte
-//! more that depends on the message's fields, so that two dialects never mix.
+//! MAVLink's checksum: CRC-16/MCRF4XX over the frame from its length byte on, then CRC_EXTRA, a byte
+//! that depends on the message's fields, so that two dialects never mix.
 
 use crc::{CRC_16_MCRF4XX, Crc, Table};
 use mavlink::Message as _;
@@ -7,8 +7,8 @@ use mavlink::dialects::common::MavMessage;
 
 static CRC: Crc<u16, Table<16>> = Crc::<u16, Table<16>>::new(&CRC_16_MCRF4XX);
 
-/// (message id, extra byte) of ardupilotmega.xml and what it includes beyond the common set.
-/// ArduPilot sends many of them unasked; knowing the byte is enough to step over them safely.
+/// (message id, CRC_EXTRA) of ardupilotmega.xml and what it includes beyond the common set.
+/// ArduPilot sends many of them without a request; with CRC_EXTRA they can be skipped safely.
 #[rustfmt::skip]
 const ARDUPILOT: [(u32, u8); 91] = [
     (150, 134), (151, 219), (152, 208), (153, 188), (154, 84), (155, 22), (156, 19), (157, 21), (158, 134), (160, 78),
@@ -24,12 +24,11 @@ const ARDUPILOT: [(u32, u8); 91] = [
     (52000, 13), (52001, 239),
 ];
 
-/// The extra byte of a message's checksum; `None` of a message in neither the common set nor
-/// ArduPilot's.
+/// CRC_EXTRA of a message; `None` for a message in neither the common set nor ArduPilot's.
 #[must_use]
 pub fn crc_extra(message_id: u32) -> Option<u8> {
     match MavMessage::extra_crc(message_id) {
-        // Unknown to the common set, or one whose extra byte is 0 (COMPONENT_INFORMATION).
+        // Unknown to the common set, or one whose CRC_EXTRA is 0 (COMPONENT_INFORMATION).
         0 if MavMessage::default_message_from_id(message_id).is_some() => Some(0),
         0 => ARDUPILOT.binary_search_by_key(&message_id, |&(id, _)| id).ok().map(|at| ARDUPILOT[at].1),
         extra => Some(extra),

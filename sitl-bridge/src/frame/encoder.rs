@@ -1,26 +1,27 @@
-//! Making frames.
+//! Encoding frames.
 
-use super::{CHECKSUM, Frame, HEADER_V1, HEADER_V2, MAGIC_V1, MAGIC_V2, MAX_LEN, Version, checksum, crc_extra};
+use super::checksum::{checksum, crc_extra};
+use super::layout::{CHECKSUM, Frame, HEADER_V1, HEADER_V2, MAGIC_V1, MAGIC_V2, MAX_LEN, Version};
 use mavlink::Message as _;
 use mavlink::dialects::common::MavMessage;
 use thiserror::Error;
 
-/// Why a message cannot be sent.
+/// Why a message cannot be encoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum EncodeError {
     /// MAVLink 1 has one byte for the message's id. Cutting the id would send another message:
     /// SETUP_SIGNING (256), with its key, would go out as a HEARTBEAT.
     #[error("message {0} needs MAVLink 2: ids above 255 do not fit into a MAVLink 1 frame")]
     NeedsVersion2(u32),
-    /// Its checksum cannot be known.
+    /// Its CRC_EXTRA is not known, so no checksum can be computed.
     #[error("message {0} is in neither the common message set nor ArduPilot's")]
     UnknownMessage(u32),
-    /// More than a frame holds.
+    /// The payload is longer than a frame can hold.
     #[error("{0} bytes of payload, a frame holds 255")]
     TooLong(usize),
 }
 
-/// Makes one component's frames on one link, unsigned, each with the next sequence number.
+/// Encodes the frames of one component on one link, unsigned, each with the next sequence number.
 #[derive(Clone, Debug)]
 pub struct Encoder {
     version: Version,
@@ -87,7 +88,7 @@ impl Encoder {
         bytes[1] = u8::try_from(payload.len()).map_err(|_| EncodeError::TooLong(payload.len()))?;
         let end = header + payload.len();
         bytes[header..end].copy_from_slice(payload);
-        let sum = checksum::checksum(&bytes[1..end], extra);
+        let sum = checksum(&bytes[1..end], extra);
         bytes[end..end + CHECKSUM].copy_from_slice(&sum.to_le_bytes());
         self.sequence = self.sequence.wrapping_add(1);
         Ok(Frame { bytes, len: end + CHECKSUM, checked: true })

@@ -1,49 +1,50 @@
-//! Finding frames in what arrives.
+//! Parsing frames from received bytes.
 //!
-//! Bytes are only stepped over as a frame when their checksum holds. Whatever else looks like a
-//! beginning is given up one byte at a time, so a flipped length or a magic byte inside garbage
-//! never costs the valid frame behind it.
+//! Bytes are only consumed as a frame when their checksum is right. After any other candidate the parser
+//! advances by one byte, so a flipped length or a magic byte inside garbage never costs the valid
+//! frame behind it.
 
-use super::{
-    CHECKSUM, Counts, FLAG_SIGNED, Frame, HEADER_V1, HEADER_V2, MAGIC_V1, MAGIC_V2, MAX_LEN, Rejected, SIGNATURE,
-    checksum, crc_extra, message_id,
+use super::checksum::{checksum, crc_extra};
+use super::layout::{
+    CHECKSUM, FLAG_SIGNED, Frame, HEADER_V1, HEADER_V2, MAGIC_V1, MAGIC_V2, MAX_LEN, SIGNATURE, message_id,
 };
+use super::rejected::{Counts, Rejected};
 
-/// How bytes arrive.
+/// Whether a link carries datagrams or a stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// In datagrams: no frame goes on in the next one.
+    /// Datagrams: no frame continues in the next one.
     Datagrams,
-    /// In a stream (TCP, serial): frames are cut anywhere.
+    /// A stream (TCP, serial): received pieces end anywhere in a frame.
     Stream,
 }
 
-/// Finds the frames in what one link receives.
+/// Parses the frames that one link receives.
 ///
-/// Push what arrived, then take frames until there are none. On datagram links, one reader
-/// serves all senders. In a stream, a length that was damaged can keep the frames behind it
-/// waiting until as many bytes have come, 280 at most.
+/// Push the received bytes, then call [`Reader::next_frame`] until it returns `None`. On datagram links
+/// one reader serves all senders. In a stream, a damaged length can hold back the frames behind it
+/// until as many bytes have arrived, 280 at most.
 #[derive(Clone, Debug)]
 pub struct Reader {
     source: Source,
     buffer: Vec<u8>,
-    /// Bytes of `buffer` done with.
+    /// Number of bytes of `buffer` that are parsed.
     at: usize,
-    /// Bytes of `buffer` that a count already stands for.
+    /// Number of bytes of `buffer` that are already counted as rejected.
     counted: usize,
     counts: Counts,
 }
 
-/// Why no frame begins at a byte.
+/// Why there is no frame at a byte.
 pub(crate) enum NoFrame {
-    /// There may be one when more bytes are there.
+    /// There may be one once more bytes have arrived.
     Short,
     /// There is none; the candidate would have had this length.
     Not(Rejected, usize),
 }
 
 impl Reader {
-    /// A reader with nothing read yet.
+    /// A reader that has received nothing.
     #[must_use]
     pub const fn new(source: Source) -> Self {
         Self { source, buffer: Vec::new(), at: 0, counted: 0, counts: Counts::new() }
@@ -51,7 +52,7 @@ impl Reader {
 
     /// Adds a datagram, or the next piece of the stream.
     ///
-    /// On a datagram link this drops what was not taken of the last datagram.
+    /// On a datagram link this drops the rest of the last datagram.
     pub fn push(&mut self, bytes: &[u8]) {
         match self.source {
             Source::Datagrams => self.buffer.clear(),
@@ -65,20 +66,20 @@ impl Reader {
         self.buffer.extend_from_slice(bytes);
     }
 
-    /// Forgets a frame begun in a stream that was cut off, as after a reconnection.
+    /// Drops an incomplete frame, when a stream was cut off and is connected again.
     pub fn reset(&mut self) {
         self.buffer.clear();
         (self.at, self.counted) = (0, 0);
     }
 
     /// The next frame, in the order of arrival: one whose checksum holds, or one of an unknown
-    /// message, which only a signature can vouch for (see [`Frame::is_checked`]).
+    /// message, which only a signature can authenticate (see [`Frame::is_checked`]).
     pub fn next_frame(&mut self) -> Option<Frame> {
         while self.at < self.buffer.len() {
             let rest = &self.buffer[self.at..];
             let garbage = rest.iter().position(|b| matches!(b, &MAGIC_V1 | &MAGIC_V2)).unwrap_or(rest.len());
             if garbage > 0 {
-                self.blame(Rejected::Garbage, garbage);
+                self.reject(Rejected::Garbage, garbage);
                 self.at += garbage;
                 continue;
             }
@@ -96,17 +97,17 @@ impl Reader {
                     }
                     Hidden::Perhaps => return None,
                     Hidden::Frame(at) => {
-                        self.blame(Rejected::Garbage, at);
+                        self.reject(Rejected::Garbage, at);
                         self.at += at;
                     }
                 },
                 Err(NoFrame::Short) if self.source == Source::Stream => return None,
                 Err(NoFrame::Short) => {
-                    self.blame(Rejected::Truncated, rest.len());
+                    self.reject(Rejected::Truncated, rest.len());
                     self.at += 1;
                 }
                 Err(NoFrame::Not(reason, len)) => {
-                    self.blame(reason, len);
+                    self.reject(reason, len);
                     self.at += 1;
                 }
             }
@@ -114,15 +115,14 @@ impl Reader {
         None
     }
 
-    /// What was met that is no frame.
+    /// Bytes and candidates that were no frame, by reason.
     #[must_use]
     pub const fn counts(&self) -> &Counts {
         &self.counts
     }
 
-    /// Counts the next `len` bytes as one case of this, unless one count stands for the first
-    /// of them already.
-    fn blame(&mut self, reason: Rejected, len: usize) {
+    /// Counts the next `len` bytes as one case of `reason`, unless the first of them is counted already.
+    fn reject(&mut self, reason: Rejected, len: usize) {
         let end = self.at + len;
         let fresh = match reason {
             // A run of garbage may go on behind what was counted before.
@@ -136,13 +136,13 @@ impl Reader {
     }
 }
 
-/// What lies inside a frame whose checksum cannot be known.
+/// A search for frames inside a candidate whose checksum cannot be verified.
 enum Hidden {
     /// No valid frame.
     None,
-    /// Perhaps one, when more bytes are there.
+    /// Perhaps one, once more bytes have arrived.
     Perhaps,
-    /// A valid frame, this many bytes behind its beginning: the outer one was none.
+    /// A valid frame at this offset: the candidate was none.
     Frame(usize),
 }
 
@@ -176,7 +176,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Frame, NoFrame> {
     let extra = crc_extra(message_id(whole));
     if let Some(extra) = extra {
         let sum = u16::from_le_bytes([whole[end], whole[end + 1]]);
-        if checksum::checksum(&whole[1..end], extra) != sum {
+        if checksum(&whole[1..end], extra) != sum {
             return Err(NoFrame::Not(Rejected::BadChecksum, len));
         }
     }

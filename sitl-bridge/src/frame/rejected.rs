@@ -1,9 +1,9 @@
-//! Why something that arrived was not used, and how often.
+//! Why received bytes, frames and messages were rejected, and how often.
 
 use std::ops::AddAssign;
 
-/// Why bytes, a frame or a message were not used. One list for all of the wire, so that one
-/// table of counts says what a link suffers from.
+/// Why bytes, a frame or a message were rejected: one list for framing, signing and the swarm link, so
+/// that one table of counts describes a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Rejected {
     /// A run of bytes that belong to no frame.
@@ -12,37 +12,37 @@ pub enum Rejected {
     Truncated,
     /// A frame whose checksum does not fit.
     BadChecksum,
-    /// A MAVLink 2 frame with an incompatibility flag that nobody has defined.
+    /// A MAVLink 2 frame with an undefined incompatibility flag.
     UnknownFlags,
-    /// A frame of a message that is in no known dialect, so that its checksum cannot be known,
-    /// without a signature that vouches for it.
+    /// An unsigned frame of a message that is in no known dialect, so that its checksum cannot be
+    /// verified.
     UnknownMessage,
     /// No signature where one is required.
     Unsigned,
-    /// A signature by another key, or a forged one.
+    /// A signature by another key, or a forged signature.
     WrongKey,
-    /// Not newer than the last one of the same system, component and link id.
+    /// Its timestamp is not newer than the last one of the same system, component and link id.
     Replayed,
-    /// The first one of its stream, more than a minute old.
+    /// The first frame of its stream, more than a minute old.
     OldTimestamp,
     /// On the swarm link: not a neighbour message.
     NotNeighbour,
-    /// On the swarm link: a neighbour message addressed to somebody.
+    /// On the swarm link: a neighbour message addressed to another network or system.
     Addressed,
-    /// Our own message, come back.
+    /// The own message, looped back by multicast or broadcast.
     OwnEcho,
-    /// A message of another sender that has our id.
+    /// A message of another sender with the own id.
     IdCollision,
     /// The id in the message is not that of the system that sent the frame.
     SpoofedId,
     /// A neighbour message of another version.
     OtherVersion,
-    /// Bytes that are no neighbour message.
+    /// Bytes that do not parse as a neighbour message.
     Malformed,
 }
 
 impl Rejected {
-    /// All of them, in the order in which they are met.
+    /// All reasons, in the order of the checks.
     pub const ALL: [Self; 16] = [
         Self::Garbage,
         Self::Truncated,
@@ -86,35 +86,35 @@ impl Rejected {
     }
 }
 
-/// How often each reason was met.
+/// Counts by reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts([u64; Rejected::ALL.len()]);
 
 impl Counts {
-    /// None so far.
+    /// All counts zero.
     #[must_use]
     pub const fn new() -> Self {
         Self([0; Rejected::ALL.len()])
     }
 
-    /// One more.
+    /// Adds one case.
     pub const fn count(&mut self, reason: Rejected) {
         self.0[reason as usize] += 1;
     }
 
-    /// How often this reason was met.
+    /// The count of one reason.
     #[must_use]
     pub const fn get(&self, reason: Rejected) -> u64 {
         self.0[reason as usize]
     }
 
-    /// All together.
+    /// The sum over all reasons.
     #[must_use]
     pub fn total(&self) -> u64 {
         self.0.iter().sum()
     }
 
-    /// The reasons that were met, with how often.
+    /// The reasons with a count above zero, and their counts.
     pub fn iter(&self) -> impl Iterator<Item = (Rejected, u64)> {
         Rejected::ALL.into_iter().map(|r| (r, self.get(r))).filter(|&(_, n)| n > 0)
     }

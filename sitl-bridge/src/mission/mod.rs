@@ -14,7 +14,7 @@ pub use plane::{OriginError, Place, Plane, REACH_MM, Scale, to_e7};
 pub use pois::PoiMap;
 
 use firmware_core::actor::Mode;
-use firmware_core::gate::{Fence, FenceError, Vector};
+use firmware_core::gate::{Geofence, GeofenceError, Vector, altitude_layer_mm};
 use firmware_core::geometry::{TICKS_PER_U, Vec2};
 use firmware_core::observation::HALF_SIDE_LIMIT;
 
@@ -57,10 +57,17 @@ pub struct Layers {
 }
 
 impl Layers {
-    /// The altitude of UAV `id` above the origin, m.
+    /// The altitude of UAV `id` above the origin, mm.
     #[must_use]
-    pub fn altitude_m(&self, id: u16) -> f64 {
-        self.base_m + f64::from(id % self.count) * self.spacing_m
+    pub fn altitude_mm(&self, id: u16) -> i32 {
+        let mm = |m: f64| (m * 1000.0).round();
+        altitude_layer_mm(id, mm(self.base_m) as i32, mm(self.spacing_m) as u32, self.count)
+    }
+
+    /// The altitude of the highest layer above the origin, m.
+    #[must_use]
+    pub fn highest_m(&self) -> f64 {
+        self.base_m + f64::from(self.count - 1) * self.spacing_m
     }
 }
 
@@ -75,7 +82,7 @@ impl Mission {
     ///
     /// # Errors
     /// It has too few or too many corners, or its edges cross.
-    pub fn gate_fence(&self) -> Result<Fence, FenceError> {
+    pub fn gate_fence(&self) -> Result<Geofence, GeofenceError> {
         gate_fence(&self.fence, self.scale)
     }
 
@@ -87,12 +94,12 @@ impl Mission {
     }
 }
 
-fn gate_fence(corners: &[Vec2], scale: Scale) -> Result<Fence, FenceError> {
+fn gate_fence(corners: &[Vec2], scale: Scale) -> Result<Geofence, GeofenceError> {
     let mm = |&corner: &Vec2| {
         let place = scale.place(corner);
         Vector::new(place.east_mm.round() as i32, place.north_mm.round() as i32)
     };
-    Fence::polygon(&corners.iter().map(mm).collect::<Vec<_>>())
+    Geofence::polygon(&corners.iter().map(mm).collect::<Vec<_>>())
 }
 
 /// The map's square, `margin_u` wider on each side.
@@ -109,6 +116,6 @@ mod tests {
     #[test]
     fn layers_go_round_with_the_id() {
         let layers = Layers { base_m: 20.0, spacing_m: 3.0, count: 4 };
-        assert_eq!([0, 1, 3, 4, 7].map(|id| layers.altitude_m(id)), [20.0, 23.0, 29.0, 20.0, 29.0]);
+        assert_eq!([0, 1, 3, 4, 7].map(|id| layers.altitude_mm(id)), [20_000, 23_000, 29_000, 20_000, 29_000]);
     }
 }

@@ -1,31 +1,32 @@
-//! What a node is made from.
+//! A node's settings.
 
-use super::{FeedForward, Timing};
+use super::step_timing::StepTiming;
+use super::velocity_profile::FeedForward;
 use crate::frame::Source;
 use crate::mission::{Mission, PoiMap};
 use crate::signing::LinkSigning;
-use crate::swarm_link::SwarmError;
+use crate::swarm_link::{SwarmError, system_of};
 use firmware_core::actor::Actor;
-use firmware_core::gate::{FenceError, Limits, LimitsError};
+use firmware_core::gate::{GeofenceError, Limits, LimitsError};
 use firmware_core::geometry::SPEED_CAP_U;
 use std::sync::Arc;
 use thiserror::Error;
 
-/// Why there is no node.
+/// Why no node can be made.
 #[derive(Debug, Error)]
 pub enum SettingsError {
-    /// The id does not fit.
+    /// The id has no MAVLink system id.
     #[error(transparent)]
     Swarm(#[from] SwarmError),
-    /// The gate's settings do not fit the mission.
+    /// The safety gate's limits contradict each other.
     #[error("the safety gate refuses the mission's settings: {0}")]
     Limits(#[from] LimitsError),
-    /// The fence cannot be used.
+    /// The safety gate cannot use the mission's fence.
     #[error("the mission's fence cannot be used: {0}")]
-    Fence(#[from] FenceError),
+    Fence(#[from] GeofenceError),
 }
 
-/// What a node is made from.
+/// A node's settings.
 #[derive(Clone, Debug)]
 pub struct Settings<'a> {
     /// The UAV's id, 0 to 254.
@@ -36,40 +37,58 @@ pub struct Settings<'a> {
     pub actor: Actor<'a>,
     /// The mission.
     pub mission: Arc<Mission>,
-    /// Its PoIs.
+    /// The mission's PoIs.
     pub pois: Arc<PoiMap>,
-    /// When things happen in a step.
-    pub timing: Timing,
-    /// The gate's settings; see [`gate_limits`].
+    /// The phases of a step.
+    pub timing: StepTiming,
+    /// The safety gate's limits; see [`gate_limits`].
     pub limits: Limits,
-    /// What is fed forward.
+    /// Which acceleration setpoints feed forward.
     pub feed_forward: FeedForward,
-    /// Whether it brings the vehicle into flight by itself.
+    /// Whether the node arms the vehicle and takes off by itself.
     pub take_off: bool,
-    /// Positions asked for, Hz.
+    /// Rate at which positions are requested, Hz.
     pub rate_hz: f64,
-    /// Whether the autopilot's frames come whole.
+    /// Whether the autopilot's link carries datagrams or a stream.
     pub source: Source,
     /// Signing of the autopilot's link.
     pub autopilot_signing: LinkSigning,
     /// Signing of the swarm's link.
     pub swarm_signing: LinkSigning,
-    /// Whether frames heard are handed out for a recording.
+    /// Whether received frames are handed out in [`super::NodeOutput::received`].
     pub record: bool,
-    /// What to check when the autopilot is not heard.
+    /// What the operator should check when the autopilot is not heard.
     pub advice: String,
 }
 
-impl Settings<'_> {
-    /// Altitude of the UAV's layer above the origin, mm.
+impl<'a> Settings<'a> {
+    /// UAV `id` with `actor`, which has passed its self-test, on `mission`, with the limits of real
+    /// flight: it waits for its pilot to take off, requests five positions a second from a link with
+    /// datagrams, and signs nothing.
     #[must_use]
-    pub fn layer_mm(&self) -> i32 {
-        (self.mission.layers.altitude_m(self.id) * 1000.0).round() as i32
+    pub fn new(id: u16, actor: Actor<'a>, mission: Arc<Mission>) -> Self {
+        Self {
+            id,
+            system: system_of(id).unwrap_or(u8::MAX),
+            actor,
+            pois: Arc::new(PoiMap::new(&mission.pois)),
+            timing: StepTiming::default(),
+            limits: gate_limits(Limits::default(), &mission),
+            feed_forward: FeedForward::Ramp,
+            take_off: false,
+            rate_hz: 5.0,
+            source: Source::Datagrams,
+            autopilot_signing: LinkSigning::off(),
+            swarm_signing: LinkSigning::off(),
+            record: false,
+            advice: String::new(),
+            mission,
+        }
     }
 }
 
-/// The gate's settings `base` (real flight, simulation or ideal) for a mission's scale, steps
-/// and layers.
+/// The safety gate's limits for a mission: `base` (real flight, simulation or ideal) adapted to its
+/// scale, step length and altitude layers.
 #[must_use]
 pub fn gate_limits(base: Limits, mission: &Mission) -> Limits {
     let flight = Limits::default();
@@ -82,14 +101,13 @@ pub fn gate_limits(base: Limits, mission: &Mission) -> Limits {
     // A diagonal of whole mm/s² may be longer than it should be by one.
     let acceleration_mm_s2 = (acceleration * 1000.0).ceil() as u32 + 2;
     let layers = mission.layers;
-    let highest_m = layers.base_m + f64::from(layers.count - 1) * layers.spacing_m;
     let steps = |n: f64| (n * f64::from(scale.step_ms)) as u32;
     Limits {
         max_speed_mm_s: (speed * 1000.0).ceil() as u32 + 2,
         max_acceleration_mm_s2: acceleration_mm_s2,
         braking_mm_s2: base.braking_mm_s2.min(acceleration_mm_s2),
         altitude_floor_mm: base.altitude_floor_mm.min((layers.base_m * 500.0) as i32),
-        altitude_ceiling_mm: (highest_m * 1000.0) as i32 + 10_000,
+        altitude_ceiling_mm: (layers.highest_m() * 1000.0) as i32 + 10_000,
         decision_ms: steps(2.25),
         swarm_ms: steps(3.0),
         // For PX4; the node sends them to no other autopilot.

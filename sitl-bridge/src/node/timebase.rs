@@ -1,23 +1,23 @@
-//! The clock by which a node's own timers run.
+//! The clock of a node's own timers, such as command timeouts.
 
-/// The vehicle's clock moves the node's by no more than this at once, ms.
+/// Longest time by which one step of the vehicle's clock advances the node's, ms.
 const LONGEST_MS: i64 = 2000;
-/// After so long without the vehicle's clock the host's takes over, ms.
+/// Without the vehicle's clock for so long, the host's takes over, ms.
 const SILENCE_MS: u64 = 1000;
 
-/// Runs with the vehicle's clock, so that simulators may run at any speed; with the host's
-/// while the vehicle is silent.
+/// A clock that follows the vehicle's, so that simulators may run at any speed, and the host's while
+/// the vehicle is silent.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Timebase {
+pub(super) struct Timebase {
     now_ms: i64,
     vehicle_ms: Option<i64>,
-    /// Host time up to which time is accounted for.
+    /// Host time up to which time has been counted.
     wall_ms: Option<u64>,
 }
 
 impl Timebase {
-    /// Moves on: `vehicle_ms` is the vehicle's newest extended time, `wall_ms` the host's
-    /// monotonic one. Returns the node's time.
+    /// Advances the clock: `vehicle_ms` is the vehicle's newest extended time, `wall_ms` the host's
+    /// monotonic time. Returns the node's time, ms.
     pub fn advance(&mut self, vehicle_ms: Option<i64>, wall_ms: u64) -> i64 {
         let accounted = *self.wall_ms.get_or_insert(wall_ms);
         if vehicle_ms != self.vehicle_ms {
@@ -34,7 +34,6 @@ impl Timebase {
     }
 
     /// The node's time, ms.
-    #[must_use]
     pub const fn now_ms(&self) -> i64 {
         self.now_ms
     }

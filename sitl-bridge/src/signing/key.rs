@@ -1,4 +1,4 @@
-//! The secret key: where it may come from, and that it goes nowhere.
+//! The secret key: reading it, and keeping it out of logs and freed memory.
 
 use sha2::{Digest as _, Sha256};
 use std::fs::File;
@@ -17,7 +17,7 @@ const MAX_TEXT: u64 = 4096;
 #[derive(Clone)]
 pub struct Key([u8; 32]);
 
-/// Why there is no key.
+/// Why a key cannot be read.
 #[derive(Debug, Error)]
 pub enum KeyError {
     /// The file cannot be read.
@@ -25,13 +25,13 @@ pub enum KeyError {
     Read {
         /// The file.
         path: PathBuf,
-        /// The system's word.
+        /// The system's error.
         source: io::Error,
     },
-    /// It is a folder, a device or a pipe.
+    /// It is a directory, a device or a pipe.
     #[error("the signing key {} is not a regular file", .0.display())]
     NotAFile(PathBuf),
-    /// Others may read or change it.
+    /// Other users may read or change it.
     #[error(
         "the signing key {} may be read or changed by others (mode {mode:03o}): run `chmod 600 {}`",
         path.display(), path.display()
@@ -53,7 +53,7 @@ pub enum KeyError {
     /// The environment variable is not set.
     #[error("the environment variable {0} with the signing key is not set")]
     NotSet(String),
-    /// There is nothing in it.
+    /// It is empty.
     #[error("the signing key in {0} is empty: `openssl rand -hex 32` makes one")]
     Empty(String),
     /// It is neither text nor hexadecimal digits.
@@ -157,8 +157,7 @@ impl Key {
         [hash[0], hash[1], hash[2], hash[3], hash[4], hash[5]]
     }
 
-    /// Whether this is the code of the frame, in a time that does not tell how much of it is
-    /// right.
+    /// Whether this is the code of the frame, compared in constant time.
     pub(super) fn is_code(&self, code: [u8; 6], frame: &[u8], link_and_time: &[u8]) -> bool {
         self.code(frame, link_and_time).ct_eq(&code).into()
     }
@@ -170,7 +169,7 @@ impl Drop for Key {
     }
 }
 
-/// Says that there is a key, not which.
+/// Prints that there is a key, but not its bytes.
 impl fmt::Debug for Key {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("Key(secret)")

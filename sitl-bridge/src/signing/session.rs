@@ -1,27 +1,27 @@
-//! Signing what is sent, and deciding what is believed.
+//! Signing frames to send, and authenticating received ones.
 
+use super::key::Key;
 use super::state_file::{StateFile, StateFileError, Streams};
-use super::{Key, Timestamp};
+use super::timestamp::Timestamp;
 use crate::frame::{Frame, Rejected};
+use crate::messages::id;
 use std::time::Duration;
 use thiserror::Error;
 
-/// RADIO_STATUS: telemetry radios put it between the frames of others and have no key.
-const RADIO_STATUS: u32 = 109;
 /// How much older than our clock the first frame of a stream may be (MAVLink's rule).
 const FIRST_SEEN: Duration = Duration::from_secs(60);
 
-/// What happens to frames without a signature on a link that has a key.
+/// How unsigned frames are treated on a link that has a key.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Unsigned {
-    /// They are refused, but for RADIO_STATUS.
+    /// They are rejected, except RADIO_STATUS.
     #[default]
     Refuse,
-    /// They are taken like signed ones. Wrong signatures are still refused.
+    /// They are accepted like signed ones. Wrong signatures are still rejected.
     Accept,
 }
 
-/// How one link of a node is signed.
+/// The signing settings of one link.
 #[derive(Clone, Debug)]
 pub struct LinkSigning {
     key: Option<Key>,
@@ -35,19 +35,19 @@ pub enum SigningError {
     /// MAVLink 1 has no signatures.
     #[error("this link has a signing key, and MAVLink 1 has no signatures: send MAVLink 2")]
     NeedsVersion2,
-    /// The frame has one.
+    /// The frame is signed already.
     #[error("the frame is signed already")]
     AlreadySigned,
 }
 
 impl LinkSigning {
-    /// A link without a key: nothing is signed, everything is taken.
+    /// A link without a key: nothing is signed, all frames are accepted.
     #[must_use]
     pub const fn off() -> Self {
         Self { key: None, link_id: 0, unsigned: Unsigned::Accept }
     }
 
-    /// A link with a key. `link_id` tells the node's links apart and goes into each signature.
+    /// A link with a key. `link_id` distinguishes the node's links and is part of each signature.
     #[must_use]
     pub const fn new(key: Key, link_id: u8, unsigned: Unsigned) -> Self {
         Self { key: Some(key), link_id, unsigned }
@@ -60,33 +60,34 @@ impl LinkSigning {
     }
 }
 
-/// The clock and the memory behind a node's signatures. All links of the node share it.
+/// The clock of a node's signatures and the newest timestamps of all senders. All links of the node share
+/// it.
 ///
 /// The timestamps it issues never repeat and never go back, whatever the system's clock does,
 /// and with a [`StateFile`] not over a restart either.
 #[derive(Debug, Default)]
 pub struct Session {
-    /// The newest timestamp of each (system, component, link id), believed or our own.
+    /// The newest timestamp of each (system, component, link id), authenticated or our own.
     streams: Streams,
-    /// The last time we were told.
-    told: Timestamp,
-    /// Our time is what we are told and this much more: what the clock once jumped back, and
-    /// what others were ahead.
+    /// The time given in the last call.
+    given: Timestamp,
+    /// The session's time is the given time plus this: jumps back of the clock, and the lead of other
+    /// senders.
     ahead: Duration,
-    /// No timestamp up to here is issued (any more).
+    /// The newest timestamp that was issued; no older one is issued any more.
     issued: Timestamp,
     state: Option<StateFile>,
 }
 
 impl Session {
-    /// A session that forgets its time when it ends. After a restart others refuse its frames
-    /// until the system's clock is later than before.
+    /// A session without a state file. After a restart others reject its frames until the system's clock
+    /// is later than before.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// A session that goes on where the last one with this file ended.
+    /// A session that continues where the last one with this state file ended.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -100,18 +101,17 @@ impl Session {
         Ok(session)
     }
 
-    /// What goes out on this link for `frame`: the frame with a signature, or, on a link without
-    /// a key, the frame.
+    /// Signs a frame for this link; on a link without a key the frame is returned as it is.
     ///
     /// # Errors
     /// See [`SigningError`].
-    pub fn seal(&mut self, link: &LinkSigning, frame: Frame, now: Timestamp) -> Result<Frame, SigningError> {
+    pub fn sign(&mut self, link: &LinkSigning, frame: Frame, now: Timestamp) -> Result<Frame, SigningError> {
         let Some(key) = &link.key else { return Ok(frame) };
         if frame.is_signed() {
             return Err(SigningError::AlreadySigned);
         }
         let timestamp = self.issue(now);
-        // Whoever sends us our own frames back is a replayer too.
+        // Our own frames, sent back to us, are replays too.
         self.streams.insert((frame.system(), frame.component(), link.link_id), timestamp);
         let sign = |signed: &[u8]| {
             let mut signature = [0; crate::frame::SIGNATURE];
@@ -124,20 +124,21 @@ impl Session {
         frame.signed_with(sign).ok_or(SigningError::NeedsVersion2)
     }
 
-    /// Whether a frame that arrived on this link may be believed.
+    /// Authenticates a frame that was received on this link.
     ///
     /// # Errors
     /// [`Rejected::Unsigned`], [`Rejected::WrongKey`], [`Rejected::Replayed`] or
     /// [`Rejected::OldTimestamp`]; [`Rejected::UnknownMessage`] when neither a checksum nor a
-    /// signature vouches for it.
-    pub fn check(&mut self, link: &LinkSigning, frame: &Frame, now: Timestamp) -> Result<(), Rejected> {
+    /// signature authenticates it.
+    pub fn verify(&mut self, link: &LinkSigning, frame: &Frame, now: Timestamp) -> Result<(), Rejected> {
         let sound = if frame.is_checked() { Ok(()) } else { Err(Rejected::UnknownMessage) };
         let Some(key) = &link.key else { return sound };
         let Some(signature) = frame.signature() else {
-            let exempt = link.unsigned == Unsigned::Accept || frame.message_id() == RADIO_STATUS;
+            // Telemetry radios have no key and put RADIO_STATUS between the frames of others.
+            let exempt = link.unsigned == Unsigned::Accept || frame.message_id() == id::RADIO_STATUS;
             return if exempt { sound } else { Err(Rejected::Unsigned) };
         };
-        // Only after the code is anything else believed, so that a forger cannot fill the table.
+        // The signature is checked before the table is touched, so that a forger cannot fill it.
         let link_and_time = frame.signature_bytes().map_or(&[][..], |bytes| &bytes[..7]);
         if !key.is_code(signature.code, frame.signed_part(), link_and_time) {
             return Err(Rejected::WrongKey);
@@ -154,7 +155,7 @@ impl Session {
         Ok(())
     }
 
-    /// Whether the state file could not be written lately: after a restart others may refuse
+    /// The error of the last write of the state file, if it failed: after a restart others may then reject
     /// our frames for a while.
     #[must_use]
     pub fn state_error(&self) -> Option<String> {
@@ -171,26 +172,26 @@ impl Session {
         self.issued
     }
 
-    /// Our time. It advances with what we are told, and does not go back with it.
+    /// The session's time: it advances with the given time and never goes back.
     fn time(&mut self, now: Timestamp) -> Timestamp {
-        self.ahead += self.told.since(now);
-        self.told = now;
+        self.ahead += self.given.since(now);
+        self.given = now;
         now.after(self.ahead)
     }
 
-    /// Others who have the key are that far: so must we be, or they would refuse us as old.
+    /// Advances to the time of another sender with the key; otherwise it would reject our frames as old.
     fn learn(&mut self, theirs: Timestamp, now: Timestamp) {
         let ours = self.time(now);
         self.ahead += theirs.since(ours);
     }
 }
 
-/// What was reserved and not used is given back, so that a session that ends in order leaves no
-/// gap behind.
+/// Gives back the reserved timestamps that were not used, so that a session that ends normally leaves no
+/// gap.
 impl Drop for Session {
     fn drop(&mut self) {
         if let Some(state) = &mut self.state {
-            state.close(self.told.after(self.ahead), self.issued, std::mem::take(&mut self.streams));
+            state.close(self.given.after(self.ahead), self.issued, std::mem::take(&mut self.streams));
         }
     }
 }

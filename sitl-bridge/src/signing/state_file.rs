@@ -1,10 +1,10 @@
-//! Timestamps that survive a restart: those that were issued, and those that were heard.
+//! Timestamps that survive a restart: those that were issued, and the newest of each sender.
 //!
-//! The file says up to when timestamps may have been issued. It is written ahead, a block of
-//! time at once, so that signing itself never waits for a disk; whoever starts from it begins
-//! behind the whole block. With each block goes what was last heard of each sender.
+//! The file holds the time up to which timestamps may have been issued. It is written ahead, a block of
+//! time at once, so that signing itself never waits for a disk; a session that starts from it begins
+//! behind the whole block. Each block is written with the newest timestamp of each sender.
 
-use super::Timestamp;
+use super::timestamp::Timestamp;
 use std::collections::BTreeMap;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Write as _};
@@ -33,7 +33,7 @@ pub enum StateFileError {
     Read {
         /// The file.
         path: PathBuf,
-        /// The system's word.
+        /// The system's error.
         source: io::Error,
     },
     /// It cannot be written, so a restart would repeat timestamps.
@@ -41,16 +41,16 @@ pub enum StateFileError {
     Write {
         /// The file.
         path: PathBuf,
-        /// The system's word.
+        /// The system's error.
         source: io::Error,
     },
-    /// It is not what was written.
+    /// Its content is damaged.
     #[error(
         "{} is no signing state: delete it once the system's clock is right and later than at the last flight",
         .0.display()
     )]
     Damaged(PathBuf),
-    /// Another process has it.
+    /// Another process uses it.
     #[error("the signing state {} is in use by another process: give every node its own", .0.display())]
     InUse(PathBuf),
 }
@@ -59,25 +59,25 @@ pub enum StateFileError {
 #[derive(Debug)]
 pub struct StateFile {
     path: PathBuf,
-    /// Held for as long as this lives: one process for a file.
+    /// The lock that keeps other processes from using the file.
     _lock: File,
     shared: Arc<Mutex<Shared>>,
     writer: Option<JoinHandle<()>>,
-    /// When a block was last written, or tried to be.
+    /// When writing a block was last attempted.
     tried: Timestamp,
 }
 
-/// The newest timestamp of each (system, component, link id) that was believed.
+/// The newest authenticated timestamp of each (system, component, link id).
 pub(super) type Streams = BTreeMap<(u8, u8, u8), Timestamp>;
 
-/// What the file says.
+/// The file's content.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct Saved {
     /// The session's time when it was written.
     time: Timestamp,
     /// Timestamps up to here may have been issued.
     reserved: Timestamp,
-    /// What was heard.
+    /// The newest timestamp of each sender.
     streams: Streams,
 }
 
@@ -117,12 +117,12 @@ impl StateFile {
         lock(&self.shared).saved.reserved
     }
 
-    /// It is later than that now.
+    /// The session's time when it was written.
     pub(super) fn time(&self) -> Timestamp {
         lock(&self.shared).saved.time
     }
 
-    /// What was heard until then.
+    /// The newest timestamp of each sender at that time.
     pub(super) fn streams(&self) -> Streams {
         lock(&self.shared).saved.streams.clone()
     }
@@ -142,8 +142,8 @@ impl StateFile {
 
     /// Reserves the next block in the background when `issued` comes near the end of this one.
     ///
-    /// A disk that fails in flight does not stop the flight: it is remembered as an error, and
-    /// tried again after a while.
+    /// A disk that fails in flight does not stop the flight: the error is kept, and the write is repeated
+    /// later.
     pub(super) fn keep_ahead_of(&mut self, time: Timestamp, issued: Timestamp, streams: &Streams) {
         let enough = self.reserved() >= issued.after(MARGIN);
         if enough || time < self.tried.after(RETRY) || self.writer.as_ref().is_some_and(|w| !w.is_finished()) {
@@ -168,17 +168,17 @@ impl StateFile {
         }
     }
 
-    /// Writes down what was really used.
+    /// Writes the timestamps that were really used.
     pub(super) fn close(&mut self, time: Timestamp, issued: Timestamp, streams: Streams) {
         if let Some(writer) = self.writer.take() {
-            // It has nothing to hand over, and if it panicked, the block it had reserved stands.
+            // It returns nothing, and if it panicked, the block that it had reserved stands.
             drop(writer.join());
         }
         // When this fails, the block that was reserved stands: the next session begins behind it.
         drop(write(&self.path, &Saved { time, reserved: issued, streams }));
     }
 
-    /// What went wrong with the last block.
+    /// The error of the last write.
     pub(super) fn error(&self) -> Option<String> {
         lock(&self.shared).error.clone()
     }

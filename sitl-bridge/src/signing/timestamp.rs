@@ -1,4 +1,4 @@
-//! The time in signatures.
+//! The timestamps of MAVLink 2 signatures.
 
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 

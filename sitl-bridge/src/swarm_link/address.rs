@@ -1,28 +1,28 @@
-//! How the swarm is reached, as users write it.
+//! Addresses of the swarm link, as users write them.
 
 use std::fmt;
 use std::net::{Ipv4Addr, SocketAddr, SocketAddrV4};
 use std::str::FromStr;
 use thiserror::Error;
 
-/// How the swarm is reached. Read from `multicast:239.86.67.1:14600`,
+/// The address of the swarm link, read from `multicast:239.86.67.1:14600`,
 /// `multicast:239.86.67.1:14600@192.168.4.2`, `broadcast:192.168.4.255:14600` or
 /// `peers:0.0.0.0:14600,192.168.4.3:14600,192.168.4.4:14600`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum SwarmAddress {
-    /// A group that every UAV of the local network joins.
+    /// A multicast group that all UAVs of the local network join.
     Multicast {
         /// The group and its port.
         group: SocketAddrV4,
         /// The own address on the network to use; the system chooses when it is 0.0.0.0.
         interface: Ipv4Addr,
     },
-    /// Everybody in the local network.
+    /// The broadcast address of the local network.
     Broadcast {
         /// The network's broadcast address and the port.
         to: SocketAddrV4,
     },
-    /// Each UAV by its address.
+    /// A list of peers, each by its address.
     Peers {
         /// Where this one listens.
         listen: SocketAddr,
@@ -31,10 +31,10 @@ pub enum SwarmAddress {
     },
 }
 
-/// What is wrong with a swarm address.
+/// Why a swarm address is refused.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum SwarmAddressError {
-    /// It begins with no way of reaching a swarm.
+    /// It does not begin with a kind of swarm link.
     #[error("`{0}`: a swarm is reached by multicast, broadcast or peers, as in `multicast:239.86.67.1:14600`")]
     UnknownKind(String),
     /// An address or port cannot be read.
@@ -81,7 +81,7 @@ impl FromStr for SwarmAddress {
     }
 }
 
-/// As it can be read again.
+/// A string that reads back as the same address.
 impl fmt::Display for SwarmAddress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

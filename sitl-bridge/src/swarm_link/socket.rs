@@ -1,14 +1,14 @@
-//! The swarm's datagrams.
+//! The socket of the swarm link.
 
-use super::SwarmAddress;
+use super::address::SwarmAddress;
 use crate::connection::{OpenError, Watch};
 use socket2::{Domain, Protocol, Socket, Type};
 use std::io::{self, ErrorKind};
 use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
 use std::os::fd::AsFd as _;
 
-/// A socket that reaches the swarm. It never blocks. By multicast and broadcast its own
-/// datagrams come back; [`super::SwarmLink`] knows them.
+/// A non-blocking socket of the swarm link. Multicast and broadcast loop its own datagrams back;
+/// [`super::SwarmLink`] recognises them.
 #[derive(Debug)]
 pub struct SwarmSocket {
     socket: UdpSocket,
@@ -25,7 +25,7 @@ impl SwarmSocket {
     /// [`OpenError::Bind`]: the port is taken, or this computer has no such address or network.
     pub fn open(address: &SwarmAddress) -> Result<Self, OpenError> {
         let (own, to) = match address {
-            // Bound to the group, it hears nothing else that comes to this port.
+            // Bound to the group, it receives no other datagrams of this port.
             SwarmAddress::Multicast { group, .. } => (SocketAddr::from(*group), vec![(*group).into()]),
             SwarmAddress::Broadcast { to } => ((Ipv4Addr::UNSPECIFIED, to.port()).into(), vec![(*to).into()]),
             SwarmAddress::Peers { listen, peers } => (*listen, peers.clone()),
@@ -36,7 +36,7 @@ impl SwarmSocket {
         Ok(Self { socket, local, to, address: address.clone() })
     }
 
-    /// Takes the next datagram and returns its length; `None` when there is none. One longer
+    /// Receives the next datagram and returns its length; `None` when there is none. One longer
     /// than `buffer` is cut, so give it [`crate::connection::RECEIVE_LEN`] bytes.
     ///
     /// # Errors
@@ -52,7 +52,7 @@ impl SwarmSocket {
     /// Sends a frame to all; never waits. A peer's failure does not keep it from the others.
     ///
     /// # Errors
-    /// The last failure. Without a network nothing is sent, which a swarm link must bear.
+    /// The last failure. Without a network nothing is sent; the swarm link tolerates that.
     pub fn send(&mut self, frame: &[u8]) -> io::Result<()> {
         let mut result = Ok(());
         for &to in &self.to {
@@ -74,19 +74,19 @@ impl SwarmSocket {
         self.to.extend_from_slice(peers);
     }
 
-    /// Where it listens, with the port that was really given when 0 was asked for.
+    /// The address it listens on, with the port that the system chose where 0 was given.
     #[must_use]
     pub const fn listens_on(&self) -> SocketAddr {
         self.local
     }
 
-    /// What to wait on with [`crate::connection::wait`].
+    /// The descriptor to wait on with [`crate::connection::wait`].
     #[must_use]
     pub fn watch(&self) -> Watch<'_> {
         Watch { fd: self.socket.as_fd(), writes: false }
     }
 
-    /// What it does, for a person.
+    /// Its state in words.
     #[must_use]
     pub fn describe(&self) -> String {
         match &self.address {
@@ -110,7 +110,7 @@ fn bind(own: SocketAddr, address: &SwarmAddress) -> io::Result<UdpSocket> {
             socket.set_reuse_address(true)?;
             socket.join_multicast_v4(group.ip(), interface)?;
             socket.set_multicast_if_v4(interface)?;
-            // Others on this computer hear us too, and no router passes it on.
+            // Nodes on this computer receive it too, and no router forwards it.
             socket.set_multicast_loop_v4(true)?;
             socket.set_multicast_ttl_v4(1)?;
         }

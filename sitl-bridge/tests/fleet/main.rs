@@ -7,7 +7,7 @@ use covey_env::{Scenario, World};
 use firmware_core::gate::Limits;
 use serde_json::{Value, json};
 use sitl_bridge::mission::{Layers, Mission, Origin};
-use sitl_bridge::node::run::Report;
+use sitl_bridge::node::run::NodeEvent;
 use std::collections::BTreeMap;
 use std::io::{BufRead as _, BufReader};
 use std::process::{Child, Command, Stdio};
@@ -67,8 +67,8 @@ impl Flight {
         flight
     }
 
-    fn take(&mut self, (id, report): (usize, Report)) {
-        if let Report::Notice(notice) = report {
+    fn take(&mut self, (id, report): (usize, NodeEvent)) {
+        if let NodeEvent::Notice(notice) = report {
             self.notices.entry(id).or_default().push(notice.text);
         }
     }
@@ -233,8 +233,8 @@ fn a_killed_node_leaves_the_autopilots_own_timeout_to_stop_it() {
         // As docs/safety.md tells to set it.
         "guided_timeout_s": 1,
     });
-    let python = sitl_bridge::commands::find_python(None);
-    let mut fleet = sitl_bridge::commands::Fleet::start(&python, &config, false).unwrap();
+    let python = sitl_bridge::simulation::find_python(None);
+    let mut fleet = sitl_bridge::simulation::Fleet::start(&python, &config, false).unwrap();
     let (began, mut events) = (Instant::now(), Vec::new());
     let mut killed_ms = None;
     let named = |events: &[Value], name: &str| events.iter().find(|e: &&Value| e["event"] == name).cloned();

@@ -3,12 +3,12 @@
 use firmware_core::actor::Actor;
 use firmware_core::gate::Limits;
 use serde_json::{Map, Value, json};
-use sitl_bridge::commands::{Fleet, find_python};
 use sitl_bridge::connection::{Address, Connection};
 use sitl_bridge::mission::{Mission, PoiMap};
-use sitl_bridge::node::run::{Control, Links, Report, run};
-use sitl_bridge::node::{Counters, FeedForward, Node, Settings, Timing, gate_limits};
+use sitl_bridge::node::run::{Links, NodeEvent, RunControl, run};
+use sitl_bridge::node::{Counters, FeedForward, Node, Settings, StepTiming, gate_limits};
 use sitl_bridge::signing::{LinkSigning, Session};
+use sitl_bridge::simulation::{Fleet, find_python};
 use sitl_bridge::swarm_link::{SwarmAddress, SwarmSocket, system_of};
 use std::io;
 use std::net::Ipv4Addr;
@@ -39,7 +39,7 @@ pub struct Swarm {
     /// The simulated autopilots.
     pub fleet: Fleet,
     /// What the nodes report.
-    pub reports: Receiver<(usize, Report)>,
+    pub reports: Receiver<(usize, NodeEvent)>,
     stop: Arc<AtomicBool>,
     threads: Vec<JoinHandle<io::Result<()>>>,
 }
@@ -64,7 +64,7 @@ impl Swarm {
                     actor,
                     mission: Arc::clone(&mission),
                     pois: Arc::clone(&pois),
-                    timing: Timing::default(),
+                    timing: StepTiming::default(),
                     limits: gate_limits(plan.limits, &mission),
                     feed_forward: FeedForward::Ramp,
                     take_off: true,
@@ -79,7 +79,7 @@ impl Swarm {
                 if let Some(sequence) = plan.sequence {
                     node.set_sequence(sequence);
                 }
-                let (control, send) = (Control::new(Arc::clone(&stop), false), send.clone());
+                let (control, send) = (RunControl::new(Arc::clone(&stop), false), send.clone());
                 thread::spawn(move || run(&mut node, links, &control, usize::from(id), &send))
             })
             .collect();
@@ -98,7 +98,7 @@ impl Swarm {
         let mut ended: Vec<_> = self.reports.try_iter().collect();
         ended.sort_by_key(|&(id, _)| id);
         for (_, report) in ended {
-            if let Report::Ended(last) = report {
+            if let NodeEvent::Ended(last) = report {
                 counters.push(*last);
             }
         }

@@ -3,10 +3,10 @@
 use crate::flight::{mission, settings};
 use crate::vehicle::Vehicle;
 use firmware_core::geometry::Vec2;
-use sitl_bridge::autopilot::Dialect;
+use sitl_bridge::autopilot::Firmware;
 use sitl_bridge::connection::{Address, Connection};
 use sitl_bridge::frame::{Reader, Source};
-use sitl_bridge::node::run::{Control, Links, Report, run};
+use sitl_bridge::node::run::{Links, NodeEvent, RunControl, run};
 use sitl_bridge::node::{Counters, Node};
 use sitl_bridge::signing::Session;
 use sitl_bridge::swarm_link::{SwarmAddress, SwarmSocket};
@@ -43,20 +43,20 @@ impl VehicleLink {
         let node = [(local, autopilot.listens_on().unwrap().port()).into(), swarm.listens_on()];
         let links = Links { autopilot, swarm: Some(swarm), tlog: None };
         let stop = Arc::new(AtomicBool::new(false));
-        let control = Control::new(Arc::clone(&stop), false);
+        let control = RunControl::new(Arc::clone(&stop), false);
         let settings = settings(5, &mission, true);
         let thread = thread::spawn(move || {
             let (reports, received) = channel();
             let mut node = Node::new(settings, Session::new()).unwrap();
             run(&mut node, links, &control, 0, &reports).unwrap();
             let ended = received.try_iter().find_map(|(_, report)| match report {
-                Report::Ended(counters) => Some(*counters),
+                NodeEvent::Ended(counters) => Some(*counters),
                 _ => None,
             });
             ended.unwrap()
         });
         let socket = UdpSocket::bind((local, 0)).unwrap();
-        let vehicle = Vehicle::new(Dialect::ArduPilot, &mission, Vec2::from_u(100.0, 100.0));
+        let vehicle = Vehicle::new(Firmware::ArduPilot, &mission, Vec2::from_u(100.0, 100.0));
         let mut link = Self { vehicle, node, socket, stop, thread };
         let began = Instant::now();
         while link.vehicle.speed() < 1.0 {

@@ -4,9 +4,10 @@
 
 use crate::flight::{Flight, mission, settings};
 use crate::vehicle::{Setpoint, TICK_MS};
-use firmware_core::gate::{Action, Limits, Reason};
+use firmware_core::gate::{FailsafeAction, Limits, Reason};
 use firmware_core::geometry::Vec2;
-use sitl_bridge::autopilot::{Dialect, Stage, command};
+use sitl_bridge::autopilot::{Firmware, Stage};
+use sitl_bridge::messages::mav_cmd;
 use sitl_bridge::node::gate_limits;
 
 const GUIDED: u32 = 4;
@@ -47,7 +48,7 @@ fn in_phase_at(phase: Phase, wall_ms: u64) -> Flight {
         mission.epoch_unix_ms += 3_600_000;
     }
     let settings = sitl_bridge::node::Settings { limits: limits(), ..settings(5, &mission, true) };
-    let mut flight = Flight::with(settings, Dialect::ArduPilot, Vec2::from_u(100.0, 100.0));
+    let mut flight = Flight::with(settings, Firmware::ArduPilot, Vec2::from_u(100.0, 100.0));
     flight.wall_ms = wall_ms;
     let there = match phase {
         Phase::Takeoff => flight.until(60, |f| (3000.0..8000.0).contains(&f.vehicle.height_mm)),
@@ -78,7 +79,7 @@ impl Since {
     /// To ask for message rates again, after a reboot, is no command to the vehicle.
     fn commands(&self, flight: &Flight) -> Vec<u16> {
         let all = flight.vehicle.commands[self.commands..].iter().map(|c| c.0);
-        all.filter(|&id| id != command::MESSAGE_INTERVAL).collect()
+        all.filter(|&id| id != mav_cmd::SET_MESSAGE_INTERVAL).collect()
     }
 
     fn setpoints<'f>(&self, flight: &'f Flight) -> &'f [Setpoint] {
@@ -95,7 +96,7 @@ fn at_rest(setpoint: &Setpoint) -> bool {
 fn expect(phase: Phase, reason: Reason, begin: impl FnOnce(&mut Flight), tick: impl Fn(&mut Flight)) -> Flight {
     let mut flight = in_phase(phase);
     // In takeoff any cause makes the gate silent.
-    let action = if phase == Phase::Takeoff { Action::Silent } else { reason.action() };
+    let action = if phase == Phase::Takeoff { FailsafeAction::Silent } else { reason.action() };
     let deadline_ms = reason.deadline_ms(&limits());
     let last_ms = flight.vehicle.boot_ms;
     begin(&mut flight);
@@ -108,23 +109,23 @@ fn expect(phase: Phase, reason: Reason, begin: impl FnOnce(&mut Flight), tick: i
         tick(&mut flight);
     }
     let acted = flight.node.verdict().name();
-    assert_eq!(acted, if action == Action::Stop { "hold" } else { action.name() }, "{phase:?}, {reason:?}");
+    assert_eq!(acted, if action == FailsafeAction::Stop { "hold" } else { action.name() }, "{phase:?}, {reason:?}");
     (0..50).for_each(|_| tick(&mut flight));
     let (commands, setpoints) = (since.commands(&flight), since.setpoints(&flight));
     let context = format!("{phase:?}, {reason:?}: commands {commands:?}, setpoints {setpoints:?}");
     match action {
-        Action::Silent => assert!(commands.is_empty() && setpoints.is_empty(), "{context}"),
-        Action::Stop => {
+        FailsafeAction::Silent => assert!(commands.is_empty() && setpoints.is_empty(), "{context}"),
+        FailsafeAction::Stop => {
             let ticks = (limits().stop_ms / TICK_MS) as usize;
             assert!(setpoints.iter().all(at_rest) && (1..=ticks + 1).contains(&setpoints.len()), "{context}");
             assert!(commands.is_empty(), "{context}");
         }
-        Action::Hold => {
+        FailsafeAction::Hold => {
             assert!(setpoints.len() > 40 && setpoints[25..].iter().all(at_rest), "{context}");
             assert!(commands.is_empty(), "{context}");
         }
-        Action::Return => {
-            assert_eq!(commands, [command::SET_MODE], "{context}");
+        FailsafeAction::Return => {
+            assert_eq!(commands, [mav_cmd::DO_SET_MODE], "{context}");
             assert!(setpoints.is_empty() && flight.vehicle.custom_mode == RTL, "{context}");
         }
     }
@@ -242,7 +243,7 @@ fn autopilot_link_cut() {
 #[test]
 fn simulated_link_cut() {
     // Where the vehicle's clock may run at any speed only the host's tells that it stands still.
-    let mut flight = Flight::new(5, Dialect::ArduPilot, true);
+    let mut flight = Flight::new(5, Firmware::ArduPilot, true);
     assert!(flight.until(90, |f| f.decisions.len() > 1), "{:?}", flight.words());
     let began_ms = flight.wall_ms;
     while flight.node.verdict().reason() != Some(Reason::LinkLost) {
@@ -355,7 +356,7 @@ fn battery_low() {
     flight.vehicle.battery = 20;
     assert!(flight.until(20, |f| f.vehicle.custom_mode == RTL), "{:?}", flight.words());
     flight.ticks(50);
-    assert!(since.commands(&flight) == [command::SET_MODE] && flight.vehicle.height_mm > 11_000.0);
+    assert!(since.commands(&flight) == [mav_cmd::DO_SET_MODE] && flight.vehicle.height_mm > 11_000.0);
     assert!(since.setpoints(&flight).len() <= 15, "{:?}", since.setpoints(&flight));
 }
 

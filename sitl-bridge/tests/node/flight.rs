@@ -4,10 +4,12 @@ use crate::vehicle::{TICK_MS, Vehicle};
 use firmware_core::actor::{Actor, Mode};
 use firmware_core::gate::Limits;
 use firmware_core::geometry::Vec2;
-use sitl_bridge::autopilot::{Dialect, Notice};
+use sitl_bridge::autopilot::{Firmware, Notice};
 use sitl_bridge::frame::{Frame, Source};
 use sitl_bridge::mission::{Layers, Mission, Plane, PoiMap, Scale, square_fence};
-use sitl_bridge::node::{Decision, FeedForward, Node, Now, Outbox, Settings, StepBegun, Timing, gate_limits};
+use sitl_bridge::node::{
+    Decision, FeedForward, HostTime, Node, NodeOutput, Settings, StepStart, StepTiming, gate_limits,
+};
 use sitl_bridge::signing::{LinkSigning, Session};
 use std::sync::Arc;
 
@@ -42,7 +44,7 @@ pub fn settings(id: u16, mission: &Mission, take_off: bool) -> Settings<'static>
         actor: actor(),
         mission: Arc::new(mission.clone()),
         pois: Arc::new(PoiMap::new(&mission.pois)),
-        timing: Timing::default(),
+        timing: StepTiming::default(),
         limits: gate_limits(Limits::simulation(), mission),
         feed_forward: FeedForward::Ramp,
         take_off,
@@ -61,9 +63,9 @@ pub struct Flight {
     pub wall_ms: u64,
     /// Host time that a tick takes, ms.
     pub wall_ms_a_tick: u64,
-    out: Outbox,
+    out: NodeOutput,
     pub notices: Vec<Notice>,
-    pub begun: Vec<StepBegun>,
+    pub begun: Vec<StepStart>,
     pub decisions: Vec<Decision>,
     /// Frames for the autopilot that a cut link lost.
     pub lost: Vec<Frame>,
@@ -72,24 +74,24 @@ pub struct Flight {
 }
 
 impl Flight {
-    pub fn new(id: u16, dialect: Dialect, take_off: bool) -> Self {
-        Self::at(id, dialect, take_off, Vec2::from_u(100.0, 100.0))
+    pub fn new(id: u16, firmware: Firmware, take_off: bool) -> Self {
+        Self::at(id, firmware, take_off, Vec2::from_u(100.0, 100.0))
     }
 
-    pub fn at(id: u16, dialect: Dialect, take_off: bool, place: Vec2) -> Self {
+    pub fn at(id: u16, firmware: Firmware, take_off: bool, place: Vec2) -> Self {
         let mission = mission();
         let settings = settings(id, &mission, take_off);
-        Self::with(settings, dialect, place)
+        Self::with(settings, firmware, place)
     }
 
-    pub fn with(settings: Settings<'static>, dialect: Dialect, place: Vec2) -> Self {
+    pub fn with(settings: Settings<'static>, firmware: Firmware, place: Vec2) -> Self {
         let real_time = settings.limits.real_time;
         Self {
-            vehicle: Vehicle::new(dialect, &settings.mission, place),
+            vehicle: Vehicle::new(firmware, &settings.mission, place),
             node: Node::new(settings, Session::new()).unwrap(),
             wall_ms: 1_000_000,
             wall_ms_a_tick: if real_time { u64::from(TICK_MS) } else { WALL_MS },
-            out: Outbox::default(),
+            out: NodeOutput::default(),
             notices: Vec::new(),
             begun: Vec::new(),
             decisions: Vec::new(),
@@ -98,8 +100,8 @@ impl Flight {
         }
     }
 
-    pub fn now(&self) -> Now {
-        Now { wall_ms: self.wall_ms, unix_us: 1_790_000_000_000_000 + self.wall_ms * 1000 }
+    pub fn now(&self) -> HostTime {
+        HostTime { wall_ms: self.wall_ms, unix_us: 1_790_000_000_000_000 + self.wall_ms * 1000 }
     }
 
     /// One tick of the vehicle; returns what the node told the swarm.
@@ -107,7 +109,7 @@ impl Flight {
         self.wall_ms += self.wall_ms_a_tick;
         let now = self.now();
         for frame in self.vehicle.tick() {
-            assert!(self.node.hear_autopilot(frame.bytes(), now, &mut self.out), "the vehicle is not answered");
+            assert!(self.node.receive_autopilot(frame.bytes(), now, &mut self.out), "the vehicle is not answered");
         }
         self.turn()
     }
@@ -116,7 +118,7 @@ impl Flight {
     pub fn heartbeat(&mut self) {
         let now = self.now();
         let frame = self.vehicle.heartbeat();
-        assert!(self.node.hear_autopilot(frame.bytes(), now, &mut self.out), "the vehicle is not answered");
+        assert!(self.node.receive_autopilot(frame.bytes(), now, &mut self.out), "the vehicle is not answered");
         self.turn();
     }
 
@@ -144,7 +146,7 @@ impl Flight {
             self.vehicle.hear(&frame);
         }
         self.notices.append(&mut self.out.notices);
-        self.begun.append(&mut self.out.begun);
+        self.begun.append(&mut self.out.steps);
         self.decisions.append(&mut self.out.decisions);
         let told = std::mem::take(&mut self.out.to_swarm);
         self.told.extend(told.iter().map(|&frame| (self.vehicle.boot_ms, frame)));
@@ -155,13 +157,13 @@ impl Flight {
     /// Something of the autopilot between two ticks.
     pub fn hear_autopilot(&mut self, frame: &Frame) {
         let now = self.now();
-        self.node.hear_autopilot(frame.bytes(), now, &mut self.out);
+        self.node.receive_autopilot(frame.bytes(), now, &mut self.out);
         self.turn();
     }
 
     pub fn hear_swarm(&mut self, frame: &Frame) {
         let now = self.now();
-        self.node.hear_swarm(frame.bytes(), now, &mut self.out);
+        self.node.receive_swarm(frame.bytes(), now, &mut self.out);
     }
 
     pub fn ticks(&mut self, n: u32) {

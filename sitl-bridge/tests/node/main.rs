@@ -9,11 +9,12 @@ mod vehicle;
 use firmware_core::gate::Reason;
 use firmware_core::geometry::Vec2;
 use flight::{Flight, mission};
-use sitl_bridge::autopilot::{Dialect, Stage, command};
+use sitl_bridge::autopilot::{Firmware, Stage};
+use sitl_bridge::messages::mav_cmd;
 use vehicle::{TICK_MS, Vehicle};
 
-fn flying(id: u16, dialect: Dialect) -> Flight {
-    let mut flight = Flight::new(id, dialect, true);
+fn flying(id: u16, firmware: Firmware) -> Flight {
+    let mut flight = Flight::new(id, firmware, true);
     assert!(flight.until(60, |f| f.node.stage() == Stage::Flying), "{:?}", flight.words());
     flight
 }
@@ -21,31 +22,31 @@ fn flying(id: u16, dialect: Dialect) -> Flight {
 /// Commands besides message rates, without repetitions.
 fn commands(vehicle: &Vehicle) -> Vec<u16> {
     let mut commands: Vec<u16> =
-        vehicle.commands.iter().map(|&(id, _)| id).filter(|&id| id != command::MESSAGE_INTERVAL).collect();
+        vehicle.commands.iter().map(|&(id, _)| id).filter(|&id| id != mav_cmd::SET_MESSAGE_INTERVAL).collect();
     commands.dedup();
     commands
 }
 
 #[test]
 fn ardupilot_is_brought_into_flight() {
-    let flight = flying(5, Dialect::ArduPilot);
+    let flight = flying(5, Firmware::ArduPilot);
     let v = &flight.vehicle;
-    assert_eq!(commands(v), [command::SET_MODE, command::ARM, command::TAKEOFF]);
+    assert_eq!(commands(v), [mav_cmd::DO_SET_MODE, mav_cmd::COMPONENT_ARM_DISARM, mav_cmd::NAV_TAKEOFF]);
     // Layer 1 of 4: 12 m.
     assert_eq!(v.commands.last().unwrap().1, [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 12.0]);
     assert!((v.height_mm - 12_000.0).abs() <= 1000.0);
     let rates: Vec<_> =
-        v.commands.iter().filter(|c| c.0 == command::MESSAGE_INTERVAL).map(|c| (c.1[0], c.1[1])).collect();
+        v.commands.iter().filter(|c| c.0 == mav_cmd::SET_MESSAGE_INTERVAL).map(|c| (c.1[0], c.1[1])).collect();
     assert!(rates.contains(&(33.0, 200_000.0)) && rates.contains(&(193.0, 500_000.0)), "{rates:?}");
     assert!(v.setpoints.len() <= 1, "setpoints before it flies");
 }
 
 #[test]
 fn px4_gets_setpoints_before_offboard() {
-    let flight = flying(1, Dialect::Px4);
+    let flight = flying(1, Firmware::Px4);
     let v = &flight.vehicle;
-    assert_eq!(commands(v), [command::ARM, command::TAKEOFF, command::SET_MODE]);
-    assert_eq!(v.commands.iter().find(|c| c.0 == command::TAKEOFF).unwrap().1[6], 500.0);
+    assert_eq!(commands(v), [mav_cmd::COMPONENT_ARM_DISARM, mav_cmd::NAV_TAKEOFF, mav_cmd::DO_SET_MODE]);
+    assert_eq!(v.commands.iter().find(|c| c.0 == mav_cmd::NAV_TAKEOFF).unwrap().1[6], 500.0);
     assert!(v.setpoints.len() >= 5, "{:?}", v.setpoints);
     assert!(v.setpoints.iter().all(|s| s.velocity == [0.0; 2]), "{:?}", v.setpoints);
     assert!(v.is_guided());
@@ -53,7 +54,7 @@ fn px4_gets_setpoints_before_offboard() {
 
 #[test]
 fn nothing_is_commanded_that_nobody_asked_for() {
-    let mut flight = Flight::new(5, Dialect::ArduPilot, false);
+    let mut flight = Flight::new(5, Firmware::ArduPilot, false);
     flight.ticks(300);
     assert!(commands(&flight.vehicle).is_empty());
     assert!(flight.vehicle.setpoints.is_empty() && flight.told.is_empty());
@@ -72,8 +73,8 @@ fn nothing_is_commanded_that_nobody_asked_for() {
 
 #[test]
 fn a_refused_arming_is_told_in_the_autopilots_words() {
-    let mut flight = Flight::new(5, Dialect::ArduPilot, true);
-    flight.vehicle.refuse = Some((command::ARM, 4, "PreArm: Compass not calibrated"));
+    let mut flight = Flight::new(5, Firmware::ArduPilot, true);
+    flight.vehicle.refuse = Some((mav_cmd::COMPONENT_ARM_DISARM, 4, "PreArm: Compass not calibrated"));
     assert!(flight.until(120, |f| f.node.stage() == Stage::Failed), "{:?}", flight.words());
     assert!(flight.said("not flying: arming refused by the autopilot: PreArm: Compass not calibrated"));
     let asked = flight.vehicle.commands.len();
@@ -87,13 +88,13 @@ fn a_refused_arming_is_told_in_the_autopilots_words() {
 
 #[test]
 fn commands_without_an_answer_are_repeated_and_then_given_up() {
-    let mut flight = Flight::new(5, Dialect::ArduPilot, true);
-    flight.until(20, |f| f.vehicle.commands.iter().any(|c| c.0 == command::SET_MODE));
+    let mut flight = Flight::new(5, Firmware::ArduPilot, true);
+    flight.until(20, |f| f.vehicle.commands.iter().any(|c| c.0 == mav_cmd::DO_SET_MODE));
     flight.vehicle.mute = true;
     flight.ticks(20);
     flight.vehicle.mute = false;
     assert!(flight.until(60, |f| f.node.stage() == Stage::Flying), "{:?}", flight.words());
-    let mut flight = Flight::new(5, Dialect::ArduPilot, true);
+    let mut flight = Flight::new(5, Firmware::ArduPilot, true);
     flight.vehicle.mute = true;
     assert!(flight.until(200, |f| f.node.stage() == Stage::Failed), "{:?}", flight.words());
     assert!(flight.said("does not take a rate") && flight.said("no answer from the autopilot"));
@@ -101,7 +102,7 @@ fn commands_without_an_answer_are_repeated_and_then_given_up() {
 
 #[test]
 fn it_waits_for_the_estimator() {
-    let mut flight = Flight::new(5, Dialect::ArduPilot, true);
+    let mut flight = Flight::new(5, Firmware::ArduPilot, true);
     flight.vehicle.healthy = false;
     flight.ticks(200);
     assert!(commands(&flight.vehicle).is_empty());
@@ -111,7 +112,7 @@ fn it_waits_for_the_estimator() {
 
 #[test]
 fn a_step_has_its_beacon_its_feature_and_its_decision() {
-    let mut flight = flying(5, Dialect::ArduPilot);
+    let mut flight = flying(5, Firmware::ArduPilot);
     flight.until(10, |f| !f.decisions.is_empty());
     flight.decisions.clear();
     flight.begun.clear();
@@ -141,8 +142,8 @@ fn a_step_has_its_beacon_its_feature_and_its_decision() {
 
 #[test]
 fn two_nodes_see_each_other_and_use_their_features() {
-    let mut a = Flight::at(1, Dialect::ArduPilot, true, Vec2::from_u(100.0, 100.0));
-    let mut b = Flight::at(2, Dialect::ArduPilot, true, Vec2::from_u(104.0, 100.0));
+    let mut a = Flight::at(1, Firmware::ArduPilot, true, Vec2::from_u(100.0, 100.0));
+    let mut b = Flight::at(2, Firmware::ArduPilot, true, Vec2::from_u(104.0, 100.0));
     for _ in 0..400 {
         let (from_a, from_b) = (a.tick(), b.tick());
         from_a.iter().for_each(|frame| b.hear_swarm(frame));
@@ -156,8 +157,8 @@ fn two_nodes_see_each_other_and_use_their_features() {
 
 #[test]
 fn old_repeated_and_foreign_messages_are_counted_and_not_used() {
-    let mut a = flying(1, Dialect::ArduPilot);
-    let mut b = flying(2, Dialect::ArduPilot);
+    let mut a = flying(1, Firmware::ArduPilot);
+    let mut b = flying(2, Firmware::ArduPilot);
     a.ticks(20);
     let mut old = Vec::new();
     for _ in 0..20 {
@@ -171,7 +172,7 @@ fn old_repeated_and_foreign_messages_are_counted_and_not_used() {
     let fresh = a.told.last().unwrap().1;
     a.hear_swarm(&fresh);
     assert_eq!(a.node.counters().rejected.get("own_echo"), Some(&1));
-    let mut twin = Flight::at(1, Dialect::ArduPilot, true, Vec2::from_u(50.0, 60.0));
+    let mut twin = Flight::at(1, Firmware::ArduPilot, true, Vec2::from_u(50.0, 60.0));
     twin.ticks(200);
     twin.told.iter().for_each(|(_, frame)| a.hear_swarm(frame));
     assert!(a.node.counters().rejected.get("id_collision") >= Some(&1), "{:?}", a.node.counters().rejected);
@@ -182,7 +183,7 @@ fn old_repeated_and_foreign_messages_are_counted_and_not_used() {
 fn clocks_and_sequence_numbers_wrap_in_flight() {
     let fly = |boot_ms: u32, sequence: u16| {
         let mut pair =
-            [1, 2].map(|id| Flight::at(id, Dialect::ArduPilot, true, Vec2::from_u(96.0 + 4.0 * f32::from(id), 100.0)));
+            [1, 2].map(|id| Flight::at(id, Firmware::ArduPilot, true, Vec2::from_u(96.0 + 4.0 * f32::from(id), 100.0)));
         for flight in &mut pair {
             flight.vehicle.boot_ms = boot_ms;
             flight.node.set_sequence(sequence);
@@ -211,7 +212,7 @@ fn clocks_and_sequence_numbers_wrap_in_flight() {
 
 #[test]
 fn a_pilot_who_takes_over_keeps_it() {
-    let mut flight = flying(5, Dialect::ArduPilot);
+    let mut flight = flying(5, Firmware::ArduPilot);
     flight.ticks(50);
     flight.vehicle.custom_mode = 5;
     let (commands, before) = (flight.vehicle.commands.len(), flight.vehicle.setpoints.len());
@@ -231,7 +232,7 @@ fn a_pilot_who_takes_over_keeps_it() {
 
 #[test]
 fn numbers_that_are_none_go_no_further() {
-    let mut flight = flying(5, Dialect::ArduPilot);
+    let mut flight = flying(5, Firmware::ArduPilot);
     flight.ticks(50);
     flight.vehicle.broken = true;
     flight.tick();
@@ -245,7 +246,7 @@ fn numbers_that_are_none_go_no_further() {
 
 #[test]
 fn heartbeats_follow_the_vehicles_clock_and_stop_with_the_loop() {
-    let mut flight = flying(5, Dialect::ArduPilot);
+    let mut flight = flying(5, Firmware::ArduPilot);
     let before = flight.vehicle.heartbeats;
     flight.ticks(50);
     assert_eq!(flight.vehicle.heartbeats - before, 50 * TICK_MS / 1000);
@@ -257,7 +258,7 @@ fn heartbeats_follow_the_vehicles_clock_and_stop_with_the_loop() {
 
 #[test]
 fn silence_is_told_with_what_to_check() {
-    let mut flight = Flight::new(5, Dialect::ArduPilot, true);
+    let mut flight = Flight::new(5, Firmware::ArduPilot, true);
     (0..110).for_each(|_| drop(flight.idle(50)));
     let told = flight.notices.iter().filter(|n| n.text == "nothing heard for 5 s; is it switched on?").count();
     assert_eq!(told, 1);
@@ -267,7 +268,7 @@ fn silence_is_told_with_what_to_check() {
 
 #[test]
 fn a_reboot_in_flight_ends_the_flight() {
-    let mut flight = flying(5, Dialect::ArduPilot);
+    let mut flight = flying(5, Firmware::ArduPilot);
     flight.ticks(100);
     flight.vehicle.boot_ms = 300;
     flight.vehicle.armed = false;
@@ -275,12 +276,12 @@ fn a_reboot_in_flight_ends_the_flight() {
     flight.ticks(100);
     assert_eq!(flight.vehicle.setpoints.len(), before);
     let again: Vec<u16> = flight.vehicle.commands[commands..].iter().map(|c| c.0).collect();
-    assert!(!again.is_empty() && again.iter().all(|&id| id == command::MESSAGE_INTERVAL), "{again:?}");
+    assert!(!again.is_empty() && again.iter().all(|&id| id == mav_cmd::SET_MESSAGE_INTERVAL), "{again:?}");
 }
 
 #[test]
 fn without_system_time_the_hosts_clock_does() {
-    let mut flight = Flight::new(5, Dialect::ArduPilot, true);
+    let mut flight = Flight::new(5, Firmware::ArduPilot, true);
     flight.vehicle.knows_time = false;
     assert!(flight.until(90, |f| f.node.stage() == Stage::Flying), "{:?}", flight.words());
     assert!(flight.said("taking this computer's clock"));
@@ -288,7 +289,7 @@ fn without_system_time_the_hosts_clock_does() {
 
 #[test]
 fn a_low_battery_sends_it_home() {
-    let mut flight = flying(5, Dialect::ArduPilot);
+    let mut flight = flying(5, Firmware::ArduPilot);
     flight.ticks(20);
     flight.vehicle.battery = 10;
     assert!(flight.until(20, |f| f.vehicle.custom_mode == 6), "{:?}", flight.words());
@@ -299,12 +300,12 @@ fn a_low_battery_sends_it_home() {
 
 #[test]
 fn released_it_falls_silent_or_lands() {
-    let mut flight = flying(5, Dialect::ArduPilot);
+    let mut flight = flying(5, Firmware::ArduPilot);
     flight.node.release(false);
     let before = flight.vehicle.setpoints.len();
     flight.ticks(20);
     assert_eq!((flight.vehicle.setpoints.len(), flight.vehicle.custom_mode), (before, 4));
-    let mut flight = flying(5, Dialect::Px4);
+    let mut flight = flying(5, Firmware::Px4);
     flight.node.release(true);
     flight.ticks(20);
     assert_eq!(flight.vehicle.custom_mode, (6 << 24) | (4 << 16));
@@ -312,7 +313,7 @@ fn released_it_falls_silent_or_lands() {
 
 #[test]
 fn no_local_position_and_the_grain_of_the_global_one() {
-    let mut flight = Flight::new(5, Dialect::ArduPilot, true);
+    let mut flight = Flight::new(5, Firmware::ArduPilot, true);
     flight.vehicle.with_local = false;
     assert!(flight.until(60, |f| f.node.stage() == Stage::Flying), "{:?}", flight.words());
     flight.ticks(100);
@@ -322,6 +323,6 @@ fn no_local_position_and_the_grain_of_the_global_one() {
 
 #[test]
 fn the_scripted_vehicle_speaks_what_the_node_reads() {
-    let mut vehicle = Vehicle::new(Dialect::ArduPilot, &mission(), Vec2::default());
+    let mut vehicle = Vehicle::new(Firmware::ArduPilot, &mission(), Vec2::default());
     assert!(vehicle.tick().iter().all(Vehicle::reads_back));
 }

@@ -4,7 +4,7 @@ use crate::flight::{Flight, mission, settings};
 use firmware_core::actor::Actor;
 use firmware_core::gate::{Limits, Reason, SwarmLoss};
 use firmware_core::geometry::Vec2;
-use sitl_bridge::autopilot::{Dialect, Stage};
+use sitl_bridge::autopilot::{Firmware, Stage};
 use sitl_bridge::frame::Frame;
 use sitl_bridge::node::{Settings, gate_limits};
 
@@ -17,7 +17,7 @@ fn uav(id: u16, x: f32, change: impl FnOnce(&mut Settings<'static>)) -> Flight {
     let mut settings = settings(id, &mission, true);
     settings.limits = gate_limits(Limits::default(), &mission);
     change(&mut settings);
-    Flight::with(settings, Dialect::ArduPilot, Vec2::from_u(x, 100.0))
+    Flight::with(settings, Firmware::ArduPilot, Vec2::from_u(x, 100.0))
 }
 
 /// Both tick; `heard` says what the first hears of the second.

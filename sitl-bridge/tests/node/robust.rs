@@ -4,9 +4,9 @@
 use crate::flight::{Flight, actor, mission};
 use firmware_core::actor::MAX_FEATURE;
 use firmware_core::geometry::{State, Vec2};
-use firmware_core::message::{Beacon, Feature, Header, Message};
+use firmware_core::message::{Beacon, FeatureMessage, Header, Message};
 use proptest::prelude::*;
-use sitl_bridge::autopilot::{Dialect, Stage};
+use sitl_bridge::autopilot::{Firmware, Stage};
 use sitl_bridge::frame::{Encoder, Frame};
 use sitl_bridge::signing::{LinkSigning, Session, Timestamp};
 use sitl_bridge::swarm_link::SwarmLink;
@@ -53,7 +53,7 @@ fn neighbour(event: &Event, step: u32, common_ms: i64) -> Option<Frame> {
     let step = step.wrapping_add_signed(i32::from(*ahead));
     let header = Header { id: *id, sequence: *sequence, step };
     let message = if *feature {
-        Message::Feature(Feature::new(header, 2, actor().message_hash(), 0, values).ok()?)
+        Message::Feature(FeatureMessage::new(header, 2, actor().message_hash(), 0, values).ok()?)
     } else {
         let state =
             State { position: Vec2::from_ticks(place.0, place.1), velocity: Vec2::from_ticks(place.1, place.0) };
@@ -69,8 +69,8 @@ proptest! {
     fn nothing_that_comes_in_stops_a_node(
         events in prop::collection::vec(event(), 1..60), px4: bool, at_once: bool, take_off: bool,
     ) {
-        let dialect = if px4 { Dialect::Px4 } else { Dialect::ArduPilot };
-        let mut flight = Flight::new(1, dialect, take_off);
+        let firmware = if px4 { Firmware::Px4 } else { Firmware::ArduPilot };
+        let mut flight = Flight::new(1, firmware, take_off);
         if !at_once {
             flight.until(60, |f| f.node.stage() == Stage::Flying);
         }

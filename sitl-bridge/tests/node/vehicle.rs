@@ -2,8 +2,9 @@
 //! time. Just enough of ArduPilot's and PX4's ways to bring a node into flight.
 
 use firmware_core::geometry::Vec2;
-use sitl_bridge::autopilot::{Dialect, Telemetry, VELOCITY_AND_ACCELERATION, command};
+use sitl_bridge::autopilot::Firmware;
 use sitl_bridge::frame::{Encoder, Frame};
+use sitl_bridge::messages::{Telemetry, VELOCITY_AND_ACCELERATION, mav_cmd};
 use sitl_bridge::mission::{Mission, Place};
 
 /// A SET_POSITION_TARGET_LOCAL_NED as it arrived.
@@ -20,7 +21,7 @@ pub struct Setpoint {
 }
 
 pub struct Vehicle {
-    pub dialect: Dialect,
+    pub firmware: Firmware,
     pub boot_ms: u32,
     pub unix_ms: i64,
     pub armed: bool,
@@ -61,13 +62,13 @@ pub struct Vehicle {
 pub const TICK_MS: u32 = 200;
 
 impl Vehicle {
-    pub fn new(dialect: Dialect, mission: &Mission, at: Vec2) -> Self {
+    pub fn new(firmware: Firmware, mission: &Mission, at: Vec2) -> Self {
         Self {
-            dialect,
+            firmware,
             boot_ms: 10_000,
             unix_ms: 1_790_000_000_000,
             armed: false,
-            custom_mode: if dialect == Dialect::Px4 { (3 << 24) | (4 << 16) } else { 0 },
+            custom_mode: if firmware == Firmware::Px4 { (3 << 24) | (4 << 16) } else { 0 },
             place: mission.scale.place(at),
             height_mm: 0.0,
             velocity: [0.0; 2],
@@ -108,7 +109,7 @@ impl Vehicle {
         if self.ticks % 5 == 1 {
             out.push(self.heartbeat());
             let flags: u16 = if self.healthy { 0x33f } else { 0x3a7 };
-            let (id, at, len) = if self.dialect == Dialect::Px4 { (230, 40, 42) } else { (193, 20, 22) };
+            let (id, at, len) = if self.firmware == Firmware::Px4 { (230, 40, 42) } else { (193, 20, 22) };
             let mut estimator = vec![0; len];
             estimator[at..].copy_from_slice(&flags.to_le_bytes());
             out.push(self.frame(id, &estimator));
@@ -149,7 +150,7 @@ impl Vehicle {
     }
 
     pub fn heartbeat(&mut self) -> Frame {
-        let autopilot = if self.dialect == Dialect::Px4 { 12 } else { 3 };
+        let autopilot = if self.firmware == Firmware::Px4 { 12 } else { 3 };
         let base_mode = if self.armed { 0x81 } else { 0x01 };
         let mut payload = self.custom_mode.to_le_bytes().to_vec();
         payload.extend([2, autopilot, base_mode, 4, 3]);
@@ -228,29 +229,29 @@ impl Vehicle {
     }
 
     fn carry_out(&mut self, id: u16, params: [f32; 7]) -> u8 {
-        match (id, self.dialect) {
-            (command::MESSAGE_INTERVAL, _) => 0,
-            (command::ARM, Dialect::ArduPilot) if self.custom_mode != 4 => 4,
-            (command::ARM, _) => {
+        match (id, self.firmware) {
+            (mav_cmd::SET_MESSAGE_INTERVAL, _) => 0,
+            (mav_cmd::COMPONENT_ARM_DISARM, Firmware::ArduPilot) if self.custom_mode != 4 => 4,
+            (mav_cmd::COMPONENT_ARM_DISARM, _) => {
                 self.armed = params[0] == 1.0;
                 0
             }
-            (command::TAKEOFF, _) if !self.armed => 4,
-            (command::TAKEOFF, Dialect::ArduPilot) => {
+            (mav_cmd::NAV_TAKEOFF, _) if !self.armed => 4,
+            (mav_cmd::NAV_TAKEOFF, Firmware::ArduPilot) => {
                 self.target_mm = Some(f64::from(params[6]) * 1000.0);
                 0
             }
-            (command::TAKEOFF, Dialect::Px4) => {
+            (mav_cmd::NAV_TAKEOFF, Firmware::Px4) => {
                 assert!(params[4].is_nan() && params[5].is_nan());
                 self.target_mm = Some(f64::from(params[6]) * 1000.0 - f64::from(self.mission.plane.alt_mm));
                 self.custom_mode = (2 << 24) | (4 << 16);
                 0
             }
-            (command::SET_MODE, Dialect::ArduPilot) => {
+            (mav_cmd::DO_SET_MODE, Firmware::ArduPilot) => {
                 self.custom_mode = params[1] as u32;
                 0
             }
-            (command::SET_MODE, Dialect::Px4) => {
+            (mav_cmd::DO_SET_MODE, Firmware::Px4) => {
                 let offboard = params[1] == 6.0;
                 let streamed = self.setpoints.len() >= 5 && self.streamed_ms == Some(self.boot_ms);
                 if offboard && !streamed {
@@ -285,7 +286,7 @@ impl Vehicle {
     }
 
     pub fn is_guided(&self) -> bool {
-        self.custom_mode == if self.dialect == Dialect::Px4 { 6 << 16 } else { 4 }
+        self.custom_mode == if self.firmware == Firmware::Px4 { 6 << 16 } else { 4 }
     }
 
     /// Whether its telemetry is readable by the node's own reader (a test of this vehicle).

@@ -23,7 +23,7 @@ fn replay(file: &Path, folder: &Path, options: &[&str]) -> Output {
     bridge(&args)
 }
 
-fn account(output: &Output) -> Value {
+fn report(output: &Output) -> Value {
     serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {}", words(output)))
 }
 
@@ -67,12 +67,12 @@ fn every_decision_of_every_uav_is_the_same() {
     for uav in 0..UAVS {
         let output = replay(&tlog(flown(), uav), flown(), &["--simulated", "--json"]);
         assert_eq!(output.status.code(), Some(0), "{}", words(&output));
-        let told = account(&output);
-        let account = &told["account"];
+        let told = report(&output);
+        let report = &told["account"];
         assert_eq!((told["uav"].as_u64(), told["skipped_bytes"].as_u64()), (Some(uav.into()), Some(0)));
-        assert_eq!(account["differences"], serde_json::json!([]), "{told}");
+        assert_eq!(report["differences"], serde_json::json!([]), "{told}");
         for what in ["decisions", "compared", "equal", "features"] {
-            assert_eq!(account[what], 12, "{what}: {told}");
+            assert_eq!(report[what], 12, "{what}: {told}");
         }
     }
 }
@@ -89,7 +89,7 @@ fn other_vehicles_dynamics_and_signed_links_replay_too() {
         let folder = fly(&[&["--count", "3", "--steps", "5"], flight].concat());
         let output = replay(&tlog(folder.path(), 1), folder.path(), &[again, "--json"]);
         assert_eq!(output.status.code(), Some(0), "{flight:?}: {}", words(&output));
-        assert_eq!(account(&output)["account"]["equal"], 5);
+        assert_eq!(report(&output)["account"]["equal"], 5);
     }
 }
 
@@ -101,7 +101,7 @@ fn another_actor_decides_otherwise() {
     assert_eq!(output.status.code(), Some(1), "{words}");
     assert!(words.contains("was flown, and") && words.contains("step 0, UAV 2: "), "{words}");
     let output = replay(&tlog(flown(), 2), flown(), &["--json", "--actor", actor.to_str().unwrap()]);
-    let told = account(&output);
+    let told = report(&output);
     let differences = told["account"]["differences"].as_array().unwrap();
     let actions = differences.iter().filter(|d| d["kind"] == "action");
     assert!(actions.clone().count() >= 6, "{told}");
@@ -125,7 +125,7 @@ fn messages_that_say_something_else_are_noticed() {
     }
     let (_folder, path) = written(&records);
     let output = replay(&path, flown(), &["--simulated", "--json"]);
-    let told = account(&output);
+    let told = report(&output);
     assert_eq!(output.status.code(), Some(1), "{told}");
     let differences = told["account"]["differences"].as_array().unwrap();
     assert!(differences.iter().all(|d| d["step"].as_u64() >= Some(4) && d["kind"] == "action"), "{told}");
@@ -161,7 +161,7 @@ fn another_flown_action_is_named() {
         .collect();
     let (_folder, path) = written(&mixed);
     let output = replay(&path, flown(), &["--simulated", "--json"]);
-    let told = account(&output);
+    let told = report(&output);
     assert_eq!(output.status.code(), Some(1), "{told}");
     assert!(told["account"]["differences"].as_array().unwrap().iter().all(|d| d["kind"] == "action"), "{told}");
 }

@@ -3,9 +3,9 @@
 use crate::sim::{bridge, python, words};
 use firmware_core::geometry::{State, Vec2};
 use sitl_bridge::autopilot::{Notice, Stage};
-use sitl_bridge::commands::{Size, View, ViewMode};
-use sitl_bridge::node::run::Report;
-use sitl_bridge::node::{Status, StepBegun};
+use sitl_bridge::node::run::NodeEvent;
+use sitl_bridge::node::{Status, StepStart};
+use sitl_bridge::status_view::{StatusView, TerminalSize, ViewMode};
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex};
 
@@ -59,14 +59,14 @@ impl Screen {
     }
 }
 
-fn view(mode: ViewMode, size: Size, count: usize) -> (View, Screen) {
+fn view(mode: ViewMode, size: TerminalSize, count: usize) -> (StatusView, Screen) {
     let screen = Screen::default();
     let pois = [Vec2::from_u(50.0, 52.0), Vec2::from_u(150.0, 150.0)];
-    (View::on(Box::new(screen.clone()), size, mode, "world 3".into(), 7, count, &pois), screen)
+    (StatusView::on(Box::new(screen.clone()), size, mode, "world 3".into(), 7, count, &pois), screen)
 }
 
-fn status(id: u16, gate: &'static str) -> Report {
-    Report::Status(Box::new(Status {
+fn status(id: u16, gate: &'static str) -> NodeEvent {
+    NodeEvent::Status(Box::new(Status {
         id,
         stage: Stage::Flying,
         mode: "GUIDED".into(),
@@ -82,22 +82,22 @@ fn status(id: u16, gate: &'static str) -> Report {
     }))
 }
 
-fn begun(step: u32) -> Report {
-    Report::Begun(StepBegun { step, state: State::default(), common_ms: 0 })
+fn begun(step: u32) -> NodeEvent {
+    NodeEvent::StepStarted(StepStart { step, state: State::default(), common_ms: 0 })
 }
 
-const WIDE: Size = || Some((120, 40));
+const WIDE: TerminalSize = || Some((120, 40));
 
 #[test]
 fn the_table_is_redrawn_in_place_and_words_stand_above_it() {
     let (mut view, screen) = view(ViewMode::Live, WIDE, 2);
     for step in 0..5 {
-        view.hear(0, &begun(step));
-        view.hear(1, &begun(step));
-        view.hear(0, &Report::Stage(Stage::Flying));
-        view.hear(0, &status(7, "stream"));
-        view.hear(1, &status(8, "hold"));
-        view.say(&format!("word {step}"));
+        view.update(0, &begun(step));
+        view.update(1, &begun(step));
+        view.update(0, &NodeEvent::Stage(Stage::Flying));
+        view.update(0, &status(7, "stream"));
+        view.update(1, &status(8, "hold"));
+        view.print(&format!("word {step}"));
     }
     view.finish();
     let shown = screen.shows();
@@ -116,7 +116,7 @@ fn the_table_is_redrawn_in_place_and_words_stand_above_it() {
 fn a_small_terminal_shows_those_that_need_attention() {
     let (mut view, screen) = view(ViewMode::Live, || Some((40, 10)), 30);
     for i in 0..30u16 {
-        view.hear(usize::from(i), &status(7 + i, if i == 20 { "hold" } else { "stream" }));
+        view.update(usize::from(i), &status(7 + i, if i == 20 { "hold" } else { "stream" }));
     }
     view.finish();
     let shown = screen.shows();
@@ -128,23 +128,23 @@ fn a_small_terminal_shows_those_that_need_attention() {
 #[test]
 fn a_table_that_is_taken_away_leaves_nothing() {
     let (mut view, screen) = view(ViewMode::Live, WIDE, 3);
-    view.hear(0, &status(7, "stream"));
+    view.update(0, &status(7, "stream"));
     view.clear();
-    view.say("done");
+    view.print("done");
     assert_eq!(screen.shows(), ["done"]);
 }
 
 #[test]
 fn without_a_terminal_there_are_plain_lines_by_steps_alone() {
     let (mut view, screen) = view(ViewMode::Lines, WIDE, 2);
-    view.hear(0, &Report::Notice(Notice::info("not of its making")));
+    view.update(0, &NodeEvent::Notice(Notice::info("not of its making")));
     for uav in 0..2 {
-        view.hear(uav, &Report::Stage(Stage::Flying));
-        view.hear(uav, &status(7 + uav as u16, "stream"));
+        view.update(uav, &NodeEvent::Stage(Stage::Flying));
+        view.update(uav, &status(7 + uav as u16, "stream"));
     }
     for step in 0..45 {
-        view.hear(0, &begun(step));
-        view.hear(1, &begun(step));
+        view.update(0, &begun(step));
+        view.update(1, &begun(step));
     }
     view.finish();
     let lines: Vec<_> = screen.written().lines().map(str::to_owned).collect();

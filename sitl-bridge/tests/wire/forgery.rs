@@ -27,8 +27,8 @@ fn of_a_million_forged_frames_none_is_believed() {
     let ours = LinkSigning::new(Key::from_passphrase("the swarm's own"), 0, Unsigned::Refuse);
     let theirs = LinkSigning::new(Key::from_passphrase("a guess"), 0, Unsigned::Refuse);
     let (mut sender, mut session, mut forger) = (Session::new(), Session::new(), Session::new());
-    let genuine = sender.seal(&ours, frame(1), NOW).unwrap();
-    assert_eq!(session.check(&ours, &genuine, NOW), Ok(()));
+    let genuine = sender.sign(&ours, frame(1), NOW).unwrap();
+    assert_eq!(session.verify(&ours, &genuine, NOW), Ok(()));
 
     let mut random = Random(1);
     let mut encoder = Encoder::new(1, 1);
@@ -36,10 +36,10 @@ fn of_a_million_forged_frames_none_is_believed() {
     for n in 0..FORGED {
         let forged = match n % 4 {
             // Another key.
-            0 => forger.seal(&theirs, encoder.encode(&position(n as u32)).unwrap(), NOW).unwrap(),
+            0 => forger.sign(&theirs, encoder.encode(&position(n as u32)).unwrap(), NOW).unwrap(),
             // Another message under the genuine signature; the forger's is cut off.
             kind => {
-                let made = forger.seal(&theirs, encoder.encode(&position(n as u32)).unwrap(), NOW).unwrap();
+                let made = forger.sign(&theirs, encoder.encode(&position(n as u32)).unwrap(), NOW).unwrap();
                 let (body, _) = made.bytes().split_last_chunk::<13>().unwrap();
                 let mut signature = *genuine.bytes().last_chunk::<13>().unwrap();
                 let guess = random.next().to_le_bytes();
@@ -51,13 +51,13 @@ fn of_a_million_forged_frames_none_is_believed() {
                 read(&[body, &signature].concat()).0[0]
             }
         };
-        match session.check(&ours, &forged, NOW) {
+        match session.verify(&ours, &forged, NOW) {
             Ok(()) => panic!("believed {forged:?}, number {n}"),
             Err(reason) => counts.count(reason),
         }
     }
     assert_eq!((counts.total(), counts.get(Rejected::WrongKey)), (FORGED, FORGED));
     // And the genuine sender is heard as before.
-    let next = sender.seal(&ours, frame(2), NOW).unwrap();
-    assert_eq!(session.check(&ours, &next, NOW), Ok(()));
+    let next = sender.sign(&ours, frame(2), NOW).unwrap();
+    assert_eq!(session.verify(&ours, &next, NOW), Ok(()));
 }

@@ -11,7 +11,7 @@ const NOW: Timestamp = Timestamp::from_unix_us(1_790_000_000_000_000);
 /// What a key signs a frame with: two keys that sign the same are the same.
 fn code(key: Key) -> [u8; 6] {
     let link = LinkSigning::new(key, 1, Unsigned::Refuse);
-    let sealed = Session::new().seal(&link, frame(1), NOW).expect("a signed frame");
+    let sealed = Session::new().sign(&link, frame(1), NOW).expect("a signed frame");
     sealed.signature().expect("a signature").code
 }
 
@@ -83,7 +83,7 @@ fn nothing_prints_a_key() {
     let key = Key::new([0xA7; 32]);
     let link = LinkSigning::new(key.clone(), 1, Unsigned::Refuse);
     let mut session = Session::new();
-    let sealed = session.seal(&link, frame(1), NOW).unwrap();
+    let sealed = session.sign(&link, frame(1), NOW).unwrap();
     for printed in [format!("{key:?}"), format!("{link:#?}"), format!("{session:#?}"), format!("{sealed:?}")] {
         let printed = printed.to_lowercase();
         assert!(!printed.contains("a7") && !printed.contains("167"), "{printed}");
@@ -98,7 +98,7 @@ fn open(path: &Path, seconds: u64) -> Result<Session, StateFileError> {
 /// The timestamp that a session signs with, `seconds` after [`NOW`].
 fn issue(session: &mut Session, seconds: u64) -> Timestamp {
     let link = LinkSigning::new(Key::new([1; 32]), 1, Unsigned::Refuse);
-    let sealed = session.seal(&link, frame(1), NOW.after(Duration::from_secs(seconds))).expect("a signed frame");
+    let sealed = session.sign(&link, frame(1), NOW.after(Duration::from_secs(seconds))).expect("a signed frame");
     sealed.signature().expect("a signature").timestamp
 }
 
@@ -117,7 +117,7 @@ fn a_restart_repeats_no_timestamp_even_when_the_clock_is_lost() {
         let mut session = Session::with_state(StateFile::open(&path).unwrap(), now).unwrap();
         let link = LinkSigning::new(Key::new([1; 32]), 1, Unsigned::Refuse);
         for _ in 0..3 {
-            let issued = session.seal(&link, frame(1), now).unwrap().signature().unwrap().timestamp;
+            let issued = session.sign(&link, frame(1), now).unwrap().signature().unwrap().timestamp;
             assert!(issued > last, "start {start}");
             last = issued;
         }
@@ -191,9 +191,9 @@ fn a_restart_does_not_forget_what_was_heard() {
     let link = LinkSigning::new(Key::new([1; 32]), 1, Unsigned::Refuse);
     let theirs = LinkSigning::new(Key::new([1; 32]), 2, Unsigned::Refuse);
     let mut sender = Session::new();
-    let heard = sender.seal(&theirs, frame(1), NOW).unwrap();
+    let heard = sender.sign(&theirs, frame(1), NOW).unwrap();
     let mut session = open(&path, 0).unwrap();
-    assert_eq!(session.check(&link, &heard, NOW), Ok(()));
+    assert_eq!(session.verify(&link, &heard, NOW), Ok(()));
     // The next block is written with it.
     issue(&mut session, 55);
     while !fs::read_to_string(&path).unwrap().contains("heard 1 1 2 ") {
@@ -201,11 +201,11 @@ fn a_restart_does_not_forget_what_was_heard() {
     }
     fs::copy(&path, &after_crash).unwrap();
     drop(session);
-    let next = sender.seal(&theirs, frame(2), NOW).unwrap();
+    let next = sender.sign(&theirs, frame(2), NOW).unwrap();
     for path in [path, after_crash] {
         let mut session = open(&path, 0).unwrap();
-        assert_eq!(session.check(&link, &heard, NOW), Err(Rejected::Replayed));
-        assert_eq!(session.check(&link, &next, NOW), Ok(()));
+        assert_eq!(session.verify(&link, &heard, NOW), Err(Rejected::Replayed));
+        assert_eq!(session.verify(&link, &next, NOW), Ok(()));
     }
 }
 

@@ -18,7 +18,7 @@ fn link(key: u8, link_id: u8) -> LinkSigning {
 
 /// A frame signed by a sender with a fresh session.
 fn signed(link: &LinkSigning, now: Timestamp) -> Frame {
-    Session::new().seal(link, frame(1), now).expect("a signed frame")
+    Session::new().sign(link, frame(1), now).expect("a signed frame")
 }
 
 #[test]
@@ -30,25 +30,25 @@ fn a_signed_frame_is_a_sound_frame_that_the_same_key_believes() {
     assert_eq!(sealed.message().unwrap(), position(1));
     let signature = sealed.signature().unwrap();
     assert_eq!((signature.link_id, signature.timestamp), (5, NOW));
-    assert_eq!(Session::new().check(&link(1, 0), &sealed, NOW), Ok(()));
+    assert_eq!(Session::new().verify(&link(1, 0), &sealed, NOW), Ok(()));
 }
 
 #[test]
 fn unsigned_frames_and_wrong_keys_are_refused() {
     let mut session = Session::new();
     let ours = link(1, 0);
-    assert_eq!(session.check(&ours, &frame(1), NOW), Err(Rejected::Unsigned));
-    assert_eq!(session.check(&ours, &signed(&link(2, 0), NOW), NOW), Err(Rejected::WrongKey));
+    assert_eq!(session.verify(&ours, &frame(1), NOW), Err(Rejected::Unsigned));
+    assert_eq!(session.verify(&ours, &signed(&link(2, 0), NOW), NOW), Err(Rejected::WrongKey));
     // Telemetry radios have no key.
     let radio = MavMessage::RADIO_STATUS(RADIO_STATUS_DATA::default());
     let radio = Encoder::new(51, 68).encode(&radio).unwrap();
-    assert_eq!(session.check(&ours, &radio, NOW), Ok(()));
+    assert_eq!(session.verify(&ours, &radio, NOW), Ok(()));
     // Whoever takes unsigned frames takes no wrong signature.
     let lenient = LinkSigning::new(Key::new([1; 32]), 0, Unsigned::Accept);
-    assert_eq!(session.check(&lenient, &frame(1), NOW), Ok(()));
-    assert_eq!(session.check(&lenient, &signed(&link(2, 0), NOW), NOW), Err(Rejected::WrongKey));
+    assert_eq!(session.verify(&lenient, &frame(1), NOW), Ok(()));
+    assert_eq!(session.verify(&lenient, &signed(&link(2, 0), NOW), NOW), Err(Rejected::WrongKey));
     // Without a key nothing can be refused.
-    assert_eq!(session.check(&LinkSigning::off(), &signed(&link(2, 0), NOW), NOW), Ok(()));
+    assert_eq!(session.verify(&LinkSigning::off(), &signed(&link(2, 0), NOW), NOW), Ok(()));
 }
 
 /// Neither a checksum nor anything else vouches for it; with a signature that does not matter.
@@ -63,11 +63,11 @@ fn an_unknown_message_is_believed_only_when_signed() {
     let plain = unknown(frame(1).bytes());
     assert!(!plain.is_checked());
     for link in [LinkSigning::off(), lenient.clone()] {
-        assert_eq!(Session::new().check(&link, &plain, NOW), Err(Rejected::UnknownMessage));
+        assert_eq!(Session::new().verify(&link, &plain, NOW), Err(Rejected::UnknownMessage));
     }
-    assert_eq!(Session::new().check(&link(1, 0), &plain, NOW), Err(Rejected::Unsigned));
+    assert_eq!(Session::new().verify(&link(1, 0), &plain, NOW), Err(Rejected::Unsigned));
     let signature_of_another = unknown(signed(&lenient, NOW).bytes());
-    assert_eq!(Session::new().check(&lenient, &signature_of_another, NOW), Err(Rejected::WrongKey));
+    assert_eq!(Session::new().verify(&lenient, &signature_of_another, NOW), Err(Rejected::WrongKey));
     // Made by somebody who knows this message: one byte of payload, signed with our key at NOW.
     let genuine = [
         0xFD, 1, 1, 0, 0, 1, 1, 0x60, 0xEA, 0, 7, 0x12, 0x34, 0, 0x00, 0x70, 0x3d, 0x18, 0xa5, 0x21, 0x37, 0xd1, 0x89,
@@ -75,7 +75,7 @@ fn an_unknown_message_is_believed_only_when_signed() {
     ];
     let genuine = read(&genuine).0[0];
     assert!(!genuine.is_checked());
-    assert_eq!(Session::new().check(&lenient, &genuine, NOW), Ok(()));
+    assert_eq!(Session::new().verify(&lenient, &genuine, NOW), Ok(()));
 }
 
 #[test]
@@ -85,7 +85,7 @@ fn a_flipped_bit_anywhere_is_refused() {
         let mut bytes = sealed.bytes().to_vec();
         bytes[bit / 8] ^= 1 << (bit % 8);
         for found in read(&bytes).0 {
-            assert!(Session::new().check(&link(1, 0), &found, NOW).is_err(), "bit {bit}");
+            assert!(Session::new().verify(&link(1, 0), &found, NOW).is_err(), "bit {bit}");
         }
     }
 }
@@ -95,17 +95,17 @@ fn a_replayed_frame_is_refused_on_every_link_of_the_node() {
     let (autopilot, swarm) = (link(1, 0), link(1, 1));
     let (first, second) = {
         let mut sender = Session::new();
-        (sender.seal(&link(1, 7), frame(1), NOW).unwrap(), sender.seal(&link(1, 7), frame(2), NOW).unwrap())
+        (sender.sign(&link(1, 7), frame(1), NOW).unwrap(), sender.sign(&link(1, 7), frame(2), NOW).unwrap())
     };
     let mut session = Session::new();
-    assert_eq!(session.check(&autopilot, &first, NOW), Ok(()));
-    assert_eq!(session.check(&autopilot, &first, NOW), Err(Rejected::Replayed));
-    assert_eq!(session.check(&swarm, &first, NOW), Err(Rejected::Replayed));
-    assert_eq!(session.check(&swarm, &second, at(1)), Ok(()));
+    assert_eq!(session.verify(&autopilot, &first, NOW), Ok(()));
+    assert_eq!(session.verify(&autopilot, &first, NOW), Err(Rejected::Replayed));
+    assert_eq!(session.verify(&swarm, &first, NOW), Err(Rejected::Replayed));
+    assert_eq!(session.verify(&swarm, &second, at(1)), Ok(()));
     // Overtaken by a newer one: refused too, on either link, however much later.
     for seconds in [1, 100, 1_000_000] {
-        assert_eq!(session.check(&autopilot, &first, at(seconds)), Err(Rejected::Replayed));
-        assert_eq!(session.check(&swarm, &second, at(seconds)), Err(Rejected::Replayed));
+        assert_eq!(session.verify(&autopilot, &first, at(seconds)), Err(Rejected::Replayed));
+        assert_eq!(session.verify(&swarm, &second, at(seconds)), Err(Rejected::Replayed));
     }
 }
 
@@ -115,10 +115,10 @@ fn a_replayed_frame_is_refused_on_every_link_of_the_node() {
 fn our_own_frames_are_refused_on_every_link() {
     let (autopilot, swarm) = (link(1, 0), link(1, 1));
     let mut session = Session::new();
-    let own: Vec<_> = [&autopilot, &swarm, &autopilot].map(|l| session.seal(l, frame(1), NOW).unwrap()).into();
+    let own: Vec<_> = [&autopilot, &swarm, &autopilot].map(|l| session.sign(l, frame(1), NOW).unwrap()).into();
     for frame in &own {
-        assert_eq!(session.check(&autopilot, frame, NOW), Err(Rejected::Replayed));
-        assert_eq!(session.check(&swarm, frame, NOW), Err(Rejected::Replayed));
+        assert_eq!(session.verify(&autopilot, frame, NOW), Err(Rejected::Replayed));
+        assert_eq!(session.verify(&swarm, frame, NOW), Err(Rejected::Replayed));
     }
 }
 
@@ -129,13 +129,13 @@ fn streams_are_kept_apart_by_system_component_and_link() {
     let ours = link(1, 0);
     for (system, component, link_id) in [(1, 1, 0), (2, 1, 0), (1, 2, 0), (1, 1, 1)] {
         let frame = Encoder::new(system, component).encode(&position(1)).unwrap();
-        let sealed = Session::new().seal(&link(1, link_id), frame, NOW).unwrap();
-        assert_eq!(session.check(&ours, &sealed, NOW), Ok(()));
-        assert_eq!(session.check(&ours, &sealed, NOW), Err(Rejected::Replayed));
+        let sealed = Session::new().sign(&link(1, link_id), frame, NOW).unwrap();
+        assert_eq!(session.verify(&ours, &sealed, NOW), Ok(()));
+        assert_eq!(session.verify(&ours, &sealed, NOW), Err(Rejected::Replayed));
         let mut moved = sealed.bytes().to_vec();
         let link_byte = moved.len() - 13;
         moved[link_byte] ^= 0x40;
-        assert_eq!(session.check(&ours, &read(&moved).0[0], NOW), Err(Rejected::WrongKey));
+        assert_eq!(session.verify(&ours, &read(&moved).0[0], NOW), Err(Rejected::WrongKey));
     }
 }
 
@@ -143,14 +143,14 @@ fn streams_are_kept_apart_by_system_component_and_link() {
 fn the_first_frame_of_a_stream_may_be_a_minute_old() {
     let ours = link(1, 0);
     for (age, expected) in [(0, Ok(())), (60, Ok(())), (61, Err(Rejected::OldTimestamp)), (-3600, Ok(()))] {
-        assert_eq!(Session::new().check(&ours, &signed(&ours, at(-age)), NOW), expected, "{age} s");
+        assert_eq!(Session::new().verify(&ours, &signed(&ours, at(-age)), NOW), expected, "{age} s");
     }
     // A known stream may lag as it likes, as long as it goes on.
     let mut session = Session::new();
     let mut sender = Session::new();
     for seconds in 0..10 {
-        let sealed = sender.seal(&ours, frame(1), at(0)).unwrap();
-        assert_eq!(session.check(&ours, &sealed, at(1000 * seconds)), Ok(()));
+        let sealed = sender.sign(&ours, frame(1), at(0)).unwrap();
+        assert_eq!(session.verify(&ours, &sealed, at(1000 * seconds)), Ok(()));
     }
 }
 
@@ -160,9 +160,9 @@ fn a_forger_moves_nothing() {
     let ours = link(1, 0);
     let mut session = Session::new();
     let forged = signed(&link(2, 0), at(1_000_000));
-    assert_eq!(session.check(&ours, &forged, NOW), Err(Rejected::WrongKey));
-    assert_eq!(session.check(&ours, &signed(&ours, NOW), NOW), Ok(()));
-    assert_eq!(session.seal(&ours, frame(1), NOW).unwrap().signature().unwrap().timestamp, NOW);
+    assert_eq!(session.verify(&ours, &forged, NOW), Err(Rejected::WrongKey));
+    assert_eq!(session.verify(&ours, &signed(&ours, NOW), NOW), Ok(()));
+    assert_eq!(session.sign(&ours, frame(1), NOW).unwrap().signature().unwrap().timestamp, NOW);
 }
 
 #[test]
@@ -172,10 +172,10 @@ fn timestamps_advance_with_a_clock_that_stands_still_or_jumps_back() {
     let mut last = Timestamp::default();
     let mut told = [at(0), at(0), at(0), at(10), at(-100_000), at(-100_000), at(-99_940), Timestamp::default(), at(5)];
     for now in &mut told {
-        let sealed = sender.seal(&ours, frame(1), *now).unwrap();
+        let sealed = sender.sign(&ours, frame(1), *now).unwrap();
         let timestamp = sealed.signature().unwrap().timestamp;
         assert!(timestamp > last);
-        assert_eq!(receiver.check(&ours, &sealed, NOW), Ok(()));
+        assert_eq!(receiver.verify(&ours, &sealed, NOW), Ok(()));
         last = timestamp;
     }
 }
@@ -186,20 +186,20 @@ fn timestamps_advance_with_a_clock_that_stands_still_or_jumps_back() {
 fn a_sender_whose_clock_jumped_back_does_not_go_stale() {
     let ours = link(1, 0);
     let mut sender = Session::new();
-    sender.seal(&ours, frame(1), at(0)).unwrap();
-    sender.seal(&ours, frame(1), at(-7200)).unwrap();
+    sender.sign(&ours, frame(1), at(0)).unwrap();
+    sender.sign(&ours, frame(1), at(-7200)).unwrap();
     // The sender's clock is two hours behind from now on; an hour passes.
-    let sealed = sender.seal(&ours, frame(1), at(-7200 + 3600)).unwrap();
-    assert_eq!(Session::new().check(&ours, &sealed, at(3600)), Ok(()));
+    let sealed = sender.sign(&ours, frame(1), at(-7200 + 3600)).unwrap();
+    assert_eq!(Session::new().verify(&ours, &sealed, at(3600)), Ok(()));
 }
 
 #[test]
 fn an_idle_sender_does_not_go_stale() {
     let ours = link(1, 0);
     let mut sender = Session::new();
-    sender.seal(&ours, frame(1), at(0)).unwrap();
-    let sealed = sender.seal(&ours, frame(1), at(3600)).unwrap();
-    assert_eq!(Session::new().check(&ours, &sealed, at(3600)), Ok(()));
+    sender.sign(&ours, frame(1), at(0)).unwrap();
+    let sealed = sender.sign(&ours, frame(1), at(3600)).unwrap();
+    assert_eq!(Session::new().verify(&ours, &sealed, at(3600)), Ok(()));
 }
 
 /// A companion computer without a battery clock starts in 1970. It learns the time from the
@@ -209,11 +209,11 @@ fn a_sender_without_a_clock_learns_the_time_from_others() {
     let ours = link(1, 0);
     let unset = Timestamp::from_unix_us(0);
     let mut companion = Session::new();
-    let early = companion.seal(&ours, frame(1), unset).unwrap();
-    assert_eq!(Session::new().check(&ours, &early, NOW), Err(Rejected::OldTimestamp));
-    assert_eq!(companion.check(&ours, &signed(&ours, NOW), unset), Ok(()));
-    let learned = companion.seal(&ours, frame(1), unset.after(Duration::from_secs(3600))).unwrap();
-    assert_eq!(Session::new().check(&ours, &learned, at(3600)), Ok(()));
+    let early = companion.sign(&ours, frame(1), unset).unwrap();
+    assert_eq!(Session::new().verify(&ours, &early, NOW), Err(Rejected::OldTimestamp));
+    assert_eq!(companion.verify(&ours, &signed(&ours, NOW), unset), Ok(()));
+    let learned = companion.sign(&ours, frame(1), unset.after(Duration::from_secs(3600))).unwrap();
+    assert_eq!(Session::new().verify(&ours, &learned, at(3600)), Ok(()));
 }
 
 #[test]
@@ -221,11 +221,11 @@ fn mavlink_1_cannot_be_signed_and_nothing_is_signed_twice() {
     let ours = link(1, 0);
     let mut session = Session::new();
     let old = Encoder::new(1, 1).with_version(Version::V1).encode(&position(1)).unwrap();
-    assert!(matches!(session.seal(&ours, old, NOW), Err(SigningError::NeedsVersion2)));
-    assert_eq!(session.check(&ours, &old, NOW), Err(Rejected::Unsigned));
-    let once = session.seal(&ours, frame(1), NOW).unwrap();
-    assert!(matches!(session.seal(&ours, once, NOW), Err(SigningError::AlreadySigned)));
-    assert_eq!(session.seal(&LinkSigning::off(), old, NOW).unwrap(), old);
+    assert!(matches!(session.sign(&ours, old, NOW), Err(SigningError::NeedsVersion2)));
+    assert_eq!(session.verify(&ours, &old, NOW), Err(Rejected::Unsigned));
+    let once = session.sign(&ours, frame(1), NOW).unwrap();
+    assert!(matches!(session.sign(&ours, once, NOW), Err(SigningError::AlreadySigned)));
+    assert_eq!(session.sign(&LinkSigning::off(), old, NOW).unwrap(), old);
 }
 
 #[test]
@@ -254,16 +254,16 @@ proptest! {
             let now = Timestamp::from_ticks(now);
             if let Some(heard) = heard {
                 // Believed or not.
-                let _ = sender.check(&ours, &signed(&ours, Timestamp::from_ticks(heard)), now);
+                let _ = sender.verify(&ours, &signed(&ours, Timestamp::from_ticks(heard)), now);
             }
-            let sealed = sender.seal(&ours, frame(1), now).unwrap();
+            let sealed = sender.sign(&ours, frame(1), now).unwrap();
             let timestamp = sealed.signature().unwrap().timestamp;
             // Until the 48 bits are used up, in 2104.
             if timestamp.ticks() == (1 << 48) - 1 {
                 break;
             }
             prop_assert!(Some(timestamp) > last);
-            prop_assert_eq!(receiver.check(&ours, &sealed, Timestamp::default()), Ok(()));
+            prop_assert_eq!(receiver.verify(&ours, &sealed, Timestamp::default()), Ok(()));
             last = Some(timestamp);
         }
     }

@@ -1,5 +1,5 @@
 use firmware_core::geometry::{State, Vec2};
-use firmware_core::message::{Beacon, Feature, Header, MAX_LEN, Message};
+use firmware_core::message::{Beacon, FeatureMessage, Header, MAX_LEN, Message};
 use proptest::prelude::*;
 use sitl_bridge::frame::{Encoder, Frame, Rejected};
 use sitl_bridge::signing::{Key, LinkSigning, Session, Timestamp, Unsigned};
@@ -81,7 +81,7 @@ fn ids_up_to_254_can_fly() {
 
 #[test]
 fn messages_that_end_in_zeros_come_back_whole() {
-    let zeros = Message::Feature(Feature::new(header(7), 1, 0, 0, &[0; 64]).unwrap());
+    let zeros = Message::Feature(FeatureMessage::new(header(7), 1, 0, 0, &[0; 64]).unwrap());
     let still = Message::Beacon(Beacon::new(Header { id: 7, sequence: 0, step: 0 }, 0, State::default(), 0));
     let mut receiver = End::open(9);
     for message in [zeros, still] {
@@ -111,7 +111,7 @@ fn each_way_to_be_no_neighbour_is_counted() {
     end.refuse(extension(7, 0xC056, 0, 0, &[1, 9, 7]).bytes(), Rejected::Malformed);
     end.refuse(extension(7, 0xC056, 0, 0, &[]).bytes(), Rejected::OtherVersion);
     // A feature of 65 values.
-    let mut wide = bytes_of(&Message::Feature(Feature::new(header(7), 1, 0, 0, &[1; 64]).unwrap()));
+    let mut wide = bytes_of(&Message::Feature(FeatureMessage::new(header(7), 1, 0, 0, &[1; 64]).unwrap()));
     wide[17] = 65;
     wide.push(1);
     end.refuse(extension(7, 0xC056, 0, 0, &wide).bytes(), Rejected::Malformed);
@@ -259,7 +259,7 @@ fn any_message() -> impl Strategy<Value = Message> {
     let value = prop_oneof![Just(0i8), any::<i8>()];
     let feature = (header, 1u8..=17, any::<u32>(), any::<i16>(), prop::collection::vec(value, 1..=64)).prop_map(
         |(header, degree, actor, attention_source, values)| {
-            Message::Feature(Feature::new(header, degree, actor, attention_source, &values).unwrap())
+            Message::Feature(FeatureMessage::new(header, degree, actor, attention_source, &values).unwrap())
         },
     );
     prop_oneof![beacon, feature]

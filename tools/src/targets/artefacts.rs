@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use firmware_core::hash::Fnv1a;
+
 use crate::command::Cmd;
 use crate::error::{Error, Result};
 use crate::setup::rust_targets::{AARCH64, CORTEX_M, Toolchain};
@@ -41,13 +43,11 @@ impl Actors {
     /// # Errors
     /// The errors of `sign`.
     pub fn signature(&self, sign: impl Fn(&PathBuf) -> Result<u64>) -> Result<u64> {
-        let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+        let mut hash = Fnv1a::new();
         for actor in [&self.none, &self.gcn, &self.gat] {
-            for byte in sign(actor)?.to_le_bytes() {
-                hash = (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-            }
+            hash.write(&sign(actor)?.to_le_bytes());
         }
-        Ok(hash)
+        Ok(hash.finish())
     }
 }
 

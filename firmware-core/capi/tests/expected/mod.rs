@@ -1,11 +1,13 @@
 //! What `flight.c` must print: the same calls in Rust.
 
 use covey_capi::{
-    CoveyDecision, CoveyFeature, CoveyNeighbour, CoveyNeighbourFeature, CoveyScene, CoveyVec2, CoveyView, Status,
+    CoveyDecision, CoveyFeature, CoveyMap, CoveyNeighbour, CoveyNeighbourFeature, CoveyScene, CoveyVec2, CoveyView,
+    Status,
 };
 use firmware_core::action::ACTIONS;
 use firmware_core::actor::{Actor, MAX_FEATURE, Mode, NeighbourFeature, fingerprint};
 use firmware_core::geometry::{State, TICKS_PER_U, Vec2};
+use firmware_core::navigation::{LocalFrame, MapScale, heading_centidegrees, heading_rad};
 use firmware_core::observation::{LEN, MAX_NEIGHBOURS, Neighbour, Neighbours, Scene, observe};
 use std::fmt::Write as _;
 use std::mem::offset_of;
@@ -39,7 +41,7 @@ macro_rules! pointers {
             feature: [
                 ("sizeof(covey_neighbour_feature)", size_of::<$feature>()),
                 ("covey_neighbour_feature.degree", offset_of!($feature, degree)),
-                ("covey_neighbour_feature.attention_source", offset_of!($feature, attention_source)),
+                ("covey_neighbour_feature.attended", offset_of!($feature, attention_source)),
             ],
         }
     };
@@ -74,7 +76,7 @@ struct NeighbourFeature32 {
 
 /// What the program must print for this actor file.
 pub fn output(pointers: &Pointers, file: &[u8]) -> String {
-    layout(pointers) + &flight(file)
+    layout(pointers) + &navigation() + &flight(file)
 }
 
 fn layout(pointers: &Pointers) -> String {
@@ -91,11 +93,14 @@ fn layout(pointers: &Pointers) -> String {
     line("covey_view.degree", offset_of!(CoveyView, degree));
     line("covey_view.kept", offset_of!(CoveyView, kept));
     line("sizeof(covey_feature)", size_of::<CoveyFeature>());
-    line("covey_feature.attention_destination", offset_of!(CoveyFeature, attention_destination));
-    line("covey_feature.attention_source", offset_of!(CoveyFeature, attention_source));
+    line("covey_feature.attending", offset_of!(CoveyFeature, attention_destination));
+    line("covey_feature.attended", offset_of!(CoveyFeature, attention_source));
     pointers.feature.iter().for_each(|&(name, value)| line(name, value));
     line("sizeof(covey_decision)", size_of::<CoveyDecision>());
     line("covey_decision.action", offset_of!(CoveyDecision, action));
+    line("sizeof(covey_map)", size_of::<CoveyMap>());
+    line("covey_map.unit_m", offset_of!(CoveyMap, unit_m));
+    line("covey_map.step_ms", offset_of!(CoveyMap, step_ms));
     line("COVEY_OBSERVATION", LEN);
     line("COVEY_FEATURE", MAX_FEATURE);
     line("COVEY_NEIGHBOURS", MAX_NEIGHBOURS);
@@ -119,6 +124,36 @@ fn numbers<T: std::fmt::Display>(items: impl IntoIterator<Item = T>) -> String {
 }
 
 /// After the layout.
+fn navigation() -> String {
+    let (lat, lon) = (473_977_418, 85_455_939);
+    let (frame, scale) = (LocalFrame::new(lat, lon).unwrap(), MapScale { unit_m: 2.5, step_ms: 2000 });
+    let mut out = String::new();
+    let mut line = |text: String| out += &(text + "\n");
+    for i in 0..5 {
+        let position = scale.position(frame.local(lat + 9001 * i, lon - 12_345 * i).unwrap());
+        line("covey_map_position(&map, map.lat_e7 + 9001 * i, map.lon_e7 - 12345 * i, &position) 0".into());
+        line(format!("position {} {}", position.x, position.y));
+        let (lat, lon) = frame.geodetic_e7(scale.place(position));
+        line("covey_map_degrees(&map, position, &lat, &lon) 0".into());
+        line(format!("degrees {lat} {lon}"));
+        let velocity = scale.velocity(f64::from(1.25 * i as f32), (-0.7f32).into());
+        line("covey_map_velocity(&map, 1.25f * (float)i, -0.7f, &velocity) 0".into());
+        line(format!("velocity {} {}", velocity.x, velocity.y));
+        let (east, north) = ((i - 2) as f32, 0.75);
+        let (radians, hundredths) = (heading_rad(east, north).unwrap(), heading_centidegrees(east, north).unwrap());
+        line(format!("heading {:08x} {hundredths}", radians.to_bits()));
+    }
+    line("covey_heading_cdeg(0, 0) -1".into());
+    line("covey_heading_rad(0, 0) -1".into());
+    line("covey_map_position(&map, 0, 0, &position) 36".into());
+    line("covey_map_position(NULL, 0, 0, &position) 32".into());
+    line("covey_map_degrees(&map, position, &lat, NULL) 32".into());
+    line("covey_map_degrees(&map, position, &lat, &lon) 36".into());
+    line("covey_map_velocity(&map, 1, 1, &velocity) 36".into());
+    out
+}
+
+/// After that.
 fn flight(file: &[u8]) -> String {
     let actor = Actor::load(file).unwrap();
     let mut out = String::new();
@@ -144,7 +179,7 @@ fn flight(file: &[u8]) -> String {
     let mut neighbours = Neighbours::new();
     for i in (0..20).filter(|&i| i != 4) {
         let (offset, velocity) = (Vec2 { x: 900 * i, y: -300 * i }, Vec2 { x: 10 * i, y: -20 * i });
-        neighbours.offer(Neighbour { id: 100 + i as u16, offset, velocity, tie: (3 * i - 30) as i8 });
+        neighbours.insert(Neighbour { id: 100 + i as u16, offset, velocity, tie: (3 * i - 30) as i8 });
     }
     let pois = (0..30).map(|i| Vec2 { x: 102_400 - 700 * i, y: 102_400 + 100 * i });
     let observation = observe(&Scene { id: ID, own, tie, half_side: 102_400, neighbours: &neighbours }, pois);

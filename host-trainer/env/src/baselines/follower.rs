@@ -6,12 +6,12 @@ use crate::steering::nearest;
 use crate::world::World;
 use firmware_core::action::Action;
 use firmware_core::geometry::SPEED_CAP_U;
-use firmware_core::observation::{LEN, Observation, WANTED};
+use firmware_core::observation::{LEN, Observation, TARGET_VELOCITY_CHANGE};
 
 /// The action that comes nearest to the change of velocity which the observation wants.
 #[must_use]
 pub fn advice(observation: &Observation, velocity: (f32, f32)) -> Action {
-    let wanted = |k: usize| f32::from(observation[WANTED + k]) * (2 * SPEED_CAP_U) as f32 / 127.0;
+    let wanted = |k: usize| f32::from(observation[TARGET_VELOCITY_CHANGE + k]) * (2 * SPEED_CAP_U) as f32 / 127.0;
     nearest((velocity.0 + wanted(0), velocity.1 + wanted(1)), velocity)
 }
 

@@ -7,7 +7,7 @@ use crate::evaluate::{Evaluation, fly};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::world::World;
 use firmware_core::actor::ActorInput;
-use firmware_core::neighbour_table::Answer;
+use firmware_core::neighbour_table::MessageOutcome;
 use firmware_core::observation::MAX_NEIGHBOURS;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -35,7 +35,7 @@ pub struct RadioFigures {
 
 impl RadioFigures {
     /// Adds a message's fate.
-    pub(super) fn add_answer(&mut self, answer: Answer) {
+    pub(super) fn add_answer(&mut self, answer: MessageOutcome) {
         *(if answer.is_taken() { &mut self.taken } else { &mut self.refused }) += 1;
     }
 

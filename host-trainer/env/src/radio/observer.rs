@@ -4,9 +4,9 @@ use super::settings::{RadioError, RadioSettings};
 use super::swarm::Swarm;
 use crate::observer::Neighbourhood;
 use crate::world::World;
-use firmware_core::message::Feature;
-use firmware_core::neighbour_table::PolicyId;
-use firmware_core::observation::Form;
+use firmware_core::actor::PolicyId;
+use firmware_core::message::FeatureMessage;
+use firmware_core::observation::BuildObservation;
 use firmware_core::random::tie_breaker;
 
 /// Features of one number stand for those of a policy that is still learning: they travel, get
@@ -49,7 +49,7 @@ impl RadioObserver {
     ///
     /// # Panics
     /// When `out`, `links` or the swarm has not one entry a UAV.
-    pub fn observe<O: Form>(&mut self, world: &World, out: &mut [O], links: &mut [Neighbourhood]) {
+    pub fn observe<O: BuildObservation>(&mut self, world: &World, out: &mut [O], links: &mut [Neighbourhood]) {
         let uavs = world.scenario().uavs;
         assert!(
             out.len() == uavs && links.len() == uavs,
@@ -57,7 +57,8 @@ impl RadioObserver {
         );
         let (seed, period, step) = (self.policy_seed, self.tie_period, world.steps_done());
         let tie = |id, step| tie_breaker(seed, id, step, period);
-        self.swarm.look(world, tie, out, |seen| Feature::new(seen.header, seen.degree, POLICY.hash, 0, &[0]).ok());
+        self.swarm
+            .look(world, tie, out, |seen| FeatureMessage::new(seen.header, seen.degree, POLICY.hash, 0, &[0]).ok());
         for (links, board) in links.iter_mut().zip(&self.swarm.boards) {
             *links = Neighbourhood::default();
             // Damage makes ids that nobody has.

@@ -9,7 +9,6 @@ use crate::world::World;
 use firmware_core::action::Action;
 use firmware_core::actor::{ActorInput, Feature, Logits, Mode, QuantisedActor};
 use firmware_core::message;
-use firmware_core::neighbour_table::PolicyId;
 use firmware_core::observation::{Neighbours, Observation};
 
 /// Flies all UAVs of a world with one actor, over a link.
@@ -44,9 +43,9 @@ impl<'a, O: ActorInput> RadioPolicy<'a, O> {
         link: &RadioSettings,
         uavs: usize,
     ) -> Result<Self, RadioError> {
-        let mut swarm = Swarm::new(link, uavs, PolicyId::of(&actor))?;
+        let mut swarm = Swarm::new(link, uavs, actor.policy_id())?;
         swarm.begin(seed);
-        let observations = vec![O::BLANK; uavs];
+        let observations = vec![O::ZERO; uavs];
         let features = observations.iter().map(|o| actor.encode(o)).collect();
         Ok(Self { actor, seed, mode, swarm, observations, features })
     }
@@ -66,7 +65,7 @@ impl<'a, O: ActorInput> RadioPolicy<'a, O> {
         let tie = |id, step| actor.tie_breaker(*seed, id, step);
         swarm.look(world, tie, observations, |seen| {
             features[seen.index] = actor.encode(seen.observation);
-            message::Feature::of(seen.header, seen.degree, actor, &features[seen.index])
+            message::FeatureMessage::from_actor(seen.header, seen.degree, actor, &features[seen.index])
         });
     }
 

@@ -4,10 +4,11 @@ use super::figures::RadioFigures;
 use super::model::Radio;
 use super::settings::{RadioError, RadioSettings};
 use crate::world::World;
+use firmware_core::actor::PolicyId;
 use firmware_core::geometry::{COMMUNICATION_RANGE_U, OBSERVATION_RANGE_U, State, TICKS_PER_U, Vec2};
-use firmware_core::message::{Beacon, Feature, Header, MAX_LEN, Message};
-use firmware_core::neighbour_table::{DEFAULT_STEP_MS, Moment, NeighbourTable, PolicyId};
-use firmware_core::observation::{Form, Neighbours, Scene};
+use firmware_core::message::{Beacon, FeatureMessage, Header, MAX_LEN, Message};
+use firmware_core::neighbour_table::{DEFAULT_STEP_MS, Moment, NeighbourTable};
+use firmware_core::observation::{BuildObservation, Neighbours, Scene};
 
 /// When a UAV looks at its neighbours, encodes and sends its feature: ms after the step began,
 /// when its beacon went out.
@@ -75,12 +76,12 @@ impl Swarm {
 
     /// A step on the air, in the present state of `world`: beacons, views, observations (one
     /// for each UAV goes to `out`), and the features that `encode` makes of them.
-    pub(super) fn look<O: Form>(
+    pub(super) fn look<O: BuildObservation>(
         &mut self,
         world: &World,
         tie: impl Fn(u16, u32) -> i8,
         out: &mut [O],
-        encode: impl FnMut(&Seen<'_, O>) -> Option<Feature>,
+        encode: impl FnMut(&Seen<'_, O>) -> Option<FeatureMessage>,
     ) {
         let uavs = world.scenario().uavs;
         assert!(uavs == self.boards.len(), "look: {uavs} UAVs, the swarm was made for {}", self.boards.len());
@@ -124,13 +125,13 @@ impl Swarm {
         }
     }
 
-    fn observe<O: Form>(
+    fn observe<O: BuildObservation>(
         &mut self,
         world: &World,
         now: Moment,
         now_ms: u64,
         out: &mut [O],
-        mut encode: impl FnMut(&Seen<'_, O>) -> Option<Feature>,
+        mut encode: impl FnMut(&Seen<'_, O>) -> Option<FeatureMessage>,
     ) {
         let half_side = world.scenario().half_side_ticks();
         for (index, (board, observation)) in self.boards.iter_mut().zip(out).enumerate() {
@@ -138,7 +139,7 @@ impl Swarm {
             let scene = Scene { id: board.id, own: board.own, tie: board.tie, half_side, neighbours: &board.view };
             let (x, y) = world.position(index);
             let in_cells = world.poi_cells.around(x, y, OBSERVATION_RANGE_U as f32);
-            *observation = O::of(&scene, in_cells.flat_map(|run| &world.poi_ticks[run]).copied());
+            *observation = O::build(&scene, in_cells.flat_map(|run| &world.poi_ticks[run]).copied());
             let seen = Seen { index, header: board.header(now.step), degree: board.degree(), observation };
             if let Some(feature) = encode(&seen) {
                 send(&mut self.radio, now_ms, index, &Message::Feature(feature));

@@ -11,9 +11,9 @@ use std::time::Duration;
 
 use covey_pil::{Client, Loopback, Options, PilError};
 use firmware_core::geometry::{State, TICKS_PER_U, Vec2};
-use firmware_core::message::{Beacon, Feature, Header, MAX_LEN, Message};
+use firmware_core::message::{Beacon, FeatureMessage, Header, MAX_LEN, Message};
 use firmware_core::neighbour_table::Moment;
-use firmware_core::pil::{Decided, Fault, MAX_POIS, Setup};
+use firmware_core::pil::{ActorError, Decided, MAX_POIS, Setup};
 
 use super::artefacts::{Actors, Image};
 use super::qemu::Machine;
@@ -68,7 +68,7 @@ pub fn fly(machine: Machine, image: &Image, actors: &[&Path]) -> Result<u64> {
 pub fn refuses_bad_files(machine: Machine, image: &Image, actors: &Actors) -> Result<()> {
     let mut bytes = fs::read(&actors.gcn).map_err(Error::file(&actors.gcn))?;
     bytes[1000] ^= 1;
-    for (file, fault) in [(Some(&*bytes), Fault::Checksum), (None, Fault::NotAnActor)] {
+    for (file, fault) in [(Some(&*bytes), ActorError::Checksum), (None, ActorError::NotAnActor)] {
         let session = Session::start(machine, &image.flight, file)?;
         let mut board = session.client(PATIENCE)?;
         let answer = board.hello(setup());
@@ -123,7 +123,7 @@ fn mission<S: Read + Write>(board: &mut Client<S>, mut disturb: impl FnMut(&[u8]
         for id in 10..10 + SWARM {
             let values: Vec<i8> = (0..info.width).map(|_| (random.next() & 127) as i8).collect();
             let attention_source = (random.next() as i16) / 16;
-            if let Ok(feature) = Feature::new(header(id), 1 + (id % 17) as u8, hash, attention_source, &values) {
+            if let Ok(feature) = FeatureMessage::new(header(id), 1 + (id % 17) as u8, hash, attention_source, &values) {
                 board.hear_bytes(now, own.position, Message::Feature(feature).encode(&mut [0; MAX_LEN]))?;
             }
         }

@@ -1,0 +1,367 @@
+//! The autopilot as a node's client talks to it: identification, message intervals, commands.
+
+use super::bring_up::{BringUp, BringUpStep, Situation};
+use super::command::{CommandFailure, PendingCommand, command_name};
+use super::firmware::{Firmware, Mode};
+use super::message_rates::message_rates;
+use super::notice::Notice;
+use super::stage::Stage;
+use super::vehicle_state::{TelemetryUpdate, VehicleState};
+use crate::messages::{CommandLong, Heartbeat, Telemetry, mav_cmd};
+
+/// MAV_AUTOPILOT_INVALID: the sender is a ground station or a companion computer.
+const NO_AUTOPILOT: u8 = 8;
+/// What a start waits for is repeated to the operator this often, ms.
+const REMIND_MS: i64 = 10_000;
+/// A STATUSTEXT explains a refusal for this long, ms.
+const TEXT_MS: i64 = 10_000;
+/// MAV_SEVERITY up to which it does: warnings and worse.
+const TEXT_SEVERITY: u8 = 4;
+
+/// What the safety gate lets the autopilot's client do at a poll.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Clearance {
+    /// Mode change, arming and takeoff may be commanded.
+    pub bring_up: bool,
+    /// Setpoints are being streamed, as PX4 requires before OFFBOARD.
+    pub streaming: bool,
+}
+
+/// One autopilot.
+#[derive(Clone, Debug)]
+pub struct Autopilot {
+    /// The state of the vehicle by its telemetry.
+    pub state: VehicleState,
+    /// System and component of the autopilot, once identified.
+    target: Option<(u8, u8)>,
+    firmware: Option<Firmware>,
+    /// The operator was told of another autopilot on the same link.
+    other_reported: bool,
+    rate_hz: f64,
+    bring_up: BringUp,
+    command: Option<PendingCommand>,
+    /// Index of the next message interval to request.
+    next_rate: usize,
+    stage: Stage,
+    reminded_ms: i64,
+    /// The autopilot's last STATUSTEXT of weight, and when it arrived, ms.
+    last_text: Option<(String, i64)>,
+}
+
+impl Autopilot {
+    /// An autopilot that was not heard yet. `layer_mm` is the altitude to take off to, mm above mean
+    /// sea level; positions are requested at `rate_hz`.
+    #[must_use]
+    pub const fn new(state: VehicleState, layer_mm: i32, rate_hz: f64) -> Self {
+        Self {
+            state,
+            target: None,
+            firmware: None,
+            other_reported: false,
+            rate_hz,
+            bring_up: BringUp::new(layer_mm),
+            command: None,
+            next_rate: 0,
+            stage: Stage::Silent,
+            reminded_ms: i64::MIN / 2,
+            last_text: None,
+        }
+    }
+
+    /// How far the work with it has come.
+    #[must_use]
+    pub const fn stage(&self) -> Stage {
+        self.stage
+    }
+
+    /// System and component of the autopilot, once a HEARTBEAT identified it.
+    #[must_use]
+    pub const fn target(&self) -> Option<(u8, u8)> {
+        self.target
+    }
+
+    /// Its firmware, once a HEARTBEAT identified it.
+    #[must_use]
+    pub const fn firmware(&self) -> Option<Firmware> {
+        self.firmware
+    }
+
+    /// In the air, with the takeoff finished.
+    #[must_use]
+    pub const fn is_airborne(&self) -> bool {
+        self.bring_up.is_airborne()
+    }
+
+    /// The flight mode in the last HEARTBEAT.
+    #[must_use]
+    pub fn mode(&self) -> Option<Mode> {
+        self.state.mode(self.firmware?)
+    }
+
+    /// The name of the mode, as users know it.
+    #[must_use]
+    pub fn mode_name(&self) -> String {
+        self.firmware.map_or_else(|| "unknown".into(), |firmware| self.state.mode_name(firmware))
+    }
+
+    /// Whether it was armed in the last HEARTBEAT.
+    #[must_use]
+    pub fn is_armed(&self) -> bool {
+        self.state.is_armed()
+    }
+
+    /// Takes in a message of system `from.0`, component `from.1`, at `now_ms` of the node's clock.
+    /// Messages of others on the same link are ignored.
+    pub fn handle(
+        &mut self,
+        from: (u8, u8),
+        telemetry: &Telemetry,
+        now_ms: i64,
+        notices: &mut Vec<Notice>,
+    ) -> TelemetryUpdate {
+        match (self.target, telemetry) {
+            (None, Telemetry::Heartbeat(heartbeat)) if heartbeat.autopilot != NO_AUTOPILOT => {
+                self.identify(from, *heartbeat, notices);
+            }
+            (Some(target), _) if target == from => {}
+            (Some(_), Telemetry::Heartbeat(heartbeat))
+                if heartbeat.autopilot != NO_AUTOPILOT && !self.other_reported =>
+            {
+                self.other_reported = true;
+                notices.push(Notice::warning(format!("system {} on the same link is not listened to", from.0)));
+                return TelemetryUpdate::Other;
+            }
+            // Messages before the first HEARTBEAT, and those of others on the same link.
+            _ => return TelemetryUpdate::Other,
+        }
+        match telemetry {
+            Telemetry::Ack { command, result } => self.acknowledge(*command, *result, now_ms, notices),
+            Telemetry::Text { severity, text } => {
+                if *severity <= TEXT_SEVERITY {
+                    self.last_text = Some((text.clone(), now_ms));
+                }
+                notices.push(Notice { warning: *severity <= TEXT_SEVERITY, text: format!("autopilot: {text}") });
+            }
+            _ => {}
+        }
+        let before = self.mode_name();
+        let update = self.state.update(telemetry);
+        match update {
+            TelemetryUpdate::Rebooted => {
+                notices.push(Notice::warning("the vehicle's clock started anew: it booted again, or it jumped"));
+                (self.next_rate, self.command) = (0, None);
+                self.bring_up.reboot();
+                if self.stage != Stage::Failed {
+                    self.stage = Stage::Subscribing;
+                }
+            }
+            TelemetryUpdate::ClockCorrected(ms) => {
+                notices.push(Notice::warning(format!("the autopilot corrected its clock by {ms} ms")));
+            }
+            TelemetryUpdate::Odometry | TelemetryUpdate::Other => {}
+        }
+        if let Telemetry::Heartbeat(_) = telemetry {
+            let mode = self.mode_name();
+            if before != mode && before != "unknown" {
+                notices.push(Notice::info(format!("mode {before} -> {mode}")));
+            }
+        }
+        self.bring_up.update(&self.state, self.state.is_armed());
+        update
+    }
+
+    /// The command to send at `now_ms` of the node's clock, if one is due. Heartbeats and setpoints are
+    /// sent by the node.
+    pub fn poll(&mut self, now_ms: i64, clearance: Clearance, notices: &mut Vec<Notice>) -> Option<CommandLong> {
+        self.bring_up.set_streaming(clearance.streaming, now_ms);
+        match self.stage {
+            Stage::Silent | Stage::Failed => return None,
+            Stage::Subscribing => self.subscribe(now_ms),
+            Stage::Idle | Stage::BringUp | Stage::Flying => self.advance(now_ms, clearance.bring_up, notices),
+        }
+        match self.command.as_mut()?.poll(now_ms) {
+            Ok(message) => message,
+            Err(failure) => {
+                self.fail(failure, now_ms, notices);
+                None
+            }
+        }
+    }
+
+    /// The operator requests a start, perhaps after a failure: the bring-up begins from scratch.
+    pub fn restart(&mut self) {
+        if self.stage == Stage::Failed && self.firmware.is_some() {
+            self.stage = Stage::Subscribing;
+            self.next_rate = 0;
+        }
+        self.command = None;
+        self.bring_up.restart();
+    }
+
+    /// Commands the return to launch.
+    pub fn return_home(&mut self, now_ms: i64) {
+        self.end_flight(Firmware::return_home, now_ms);
+    }
+
+    /// Commands a landing at the present position.
+    pub fn land(&mut self, now_ms: i64) {
+        self.end_flight(Firmware::land, now_ms);
+    }
+
+    fn end_flight(&mut self, mode: fn(Firmware) -> [f32; 2], now_ms: i64) {
+        if let Some(firmware) = self.firmware {
+            self.set_mode(mode(firmware), now_ms);
+            if let Some(command) = &mut self.command {
+                command.ends_flight = true;
+            }
+        }
+    }
+
+    /// Whether a command waits for its COMMAND_ACK.
+    #[must_use]
+    pub fn awaits_ack(&self) -> bool {
+        self.command.is_some_and(|command| !command.is_accepted())
+    }
+
+    fn identify(&mut self, from: (u8, u8), heartbeat: Heartbeat, notices: &mut Vec<Notice>) {
+        self.target = Some(from);
+        match Firmware::of(heartbeat.autopilot, heartbeat.kind) {
+            Ok(firmware) => {
+                self.firmware = Some(firmware);
+                self.stage = Stage::Subscribing;
+                notices.push(Notice::info(format!("{firmware}, system {}", from.0)));
+            }
+            Err(unsupported) => {
+                self.stage = Stage::Failed;
+                notices.push(Notice::warning(format!("this vehicle cannot be flown: {unsupported}")));
+            }
+        }
+    }
+
+    /// Requests the message intervals one after another.
+    fn subscribe(&mut self, now_ms: i64) {
+        if self.command.is_some_and(|command| command.is_accepted()) {
+            self.next_rate += 1;
+            self.command = None;
+        }
+        let Some(&(id, hz)) = message_rates(self.firmware, self.rate_hz).get(self.next_rate) else {
+            self.stage = Stage::Idle;
+            return;
+        };
+        let interval_us = (1e6 / hz).round() as f32;
+        self.request(mav_cmd::SET_MESSAGE_INTERVAL, [id as f32, interval_us, 0.0, 0.0, 0.0, 0.0, 0.0], now_ms);
+    }
+
+    /// Goes on towards flight, as far as the gate allows.
+    fn advance(&mut self, now_ms: i64, may_start: bool, notices: &mut Vec<Notice>) {
+        let Some(firmware) = self.firmware else { return };
+        let guided = self.mode() == Some(Mode::Guided);
+        if self.is_airborne() && guided {
+            if self.stage != Stage::Flying {
+                self.stage = Stage::Flying;
+                self.command = None;
+                notices.push(Notice::info(format!("airborne, {}", firmware.guided_name())));
+            }
+            return;
+        }
+        if !may_start {
+            self.stage = Stage::Idle;
+            // No bring-up command is repeated once the gate has closed. A return or a landing is, until
+            // the autopilot has left the mode that follows setpoints.
+            self.command = self.command.filter(|command| command.ends_flight && guided);
+            return;
+        }
+        if let Some(missing) = self.state.missing() {
+            self.remind(now_ms, notices, || format!("waiting for {missing}"));
+            return;
+        }
+        self.stage = Stage::BringUp;
+        let takeoff = self.command.filter(|c| c.command() == mav_cmd::NAV_TAKEOFF);
+        let situation = Situation {
+            firmware,
+            mode: self.mode(),
+            armed: self.is_armed(),
+            takeoff_accepted: takeoff.is_some_and(|c| c.is_accepted()),
+            state: &self.state,
+        };
+        match self.bring_up.next(&situation, now_ms) {
+            BringUpStep::Wait => {}
+            BringUpStep::SetGuided => self.set_mode(firmware.guided(), now_ms),
+            BringUpStep::Arm => {
+                self.request(mav_cmd::COMPONENT_ARM_DISARM, [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], now_ms);
+            }
+            BringUpStep::TakeOff { height_mm, params } if takeoff.is_none() => {
+                self.command = Some(PendingCommand::new(mav_cmd::NAV_TAKEOFF, params, now_ms));
+                notices.push(Notice::info(format!("taking off to {:.1} m", f64::from(height_mm) / 1e3)));
+            }
+            BringUpStep::TakeOff { .. } => {}
+            BringUpStep::GiveUp(reason) => self.give_up(&reason, notices),
+        }
+    }
+
+    /// Makes this the command under way, unless it is already.
+    fn request(&mut self, command: u16, params: [f32; 7], now_ms: i64) {
+        if !self.command.is_some_and(|pending| pending.is(command, &params)) {
+            self.command = Some(PendingCommand::new(command, params, now_ms));
+        }
+    }
+
+    fn set_mode(&mut self, [main, sub]: [f32; 2], now_ms: i64) {
+        // Parameter 1: MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.
+        self.request(mav_cmd::DO_SET_MODE, [1.0, main, sub, 0.0, 0.0, 0.0, 0.0], now_ms);
+    }
+
+    fn acknowledge(&mut self, command: u16, result: u8, now_ms: i64, notices: &mut Vec<Notice>) {
+        let Some(pending) = self.command.as_mut().filter(|c| c.command() == command && !c.is_accepted()) else {
+            return;
+        };
+        match pending.acknowledge(result, now_ms) {
+            Ok(true) => {}
+            Ok(false) => {
+                let (what, why) = (command_name(command), self.explanation(now_ms));
+                self.remind(now_ms, notices, || format!("{what} refused by the autopilot{why}; trying again"));
+            }
+            Err(failure) => self.fail(failure, now_ms, notices),
+        }
+    }
+
+    fn fail(&mut self, failure: CommandFailure, now_ms: i64, notices: &mut Vec<Notice>) {
+        let Some(pending) = self.command.take() else { return };
+        let what = command_name(pending.command());
+        if pending.command() == mav_cmd::SET_MESSAGE_INTERVAL {
+            // Some autopilots send the message without a request.
+            let id = message_rates(self.firmware, self.rate_hz).get(self.next_rate).map_or(0, |&(id, _)| id);
+            notices.push(Notice::warning(format!(
+                "the autopilot does not take a rate for message {id}; going on without"
+            )));
+            self.next_rate += 1;
+            return;
+        }
+        let reason = match failure {
+            CommandFailure::NoAck => format!("{what}: no answer from the autopilot"),
+            CommandFailure::Refused => format!("{what} refused by the autopilot{}", self.explanation(now_ms)),
+            CommandFailure::Unsupported => format!("{what}: the autopilot does not know this command"),
+        };
+        self.give_up(&reason, notices);
+    }
+
+    fn give_up(&mut self, reason: &str, notices: &mut Vec<Notice>) {
+        notices.push(Notice::warning(format!("not flying: {reason}")));
+        (self.command, self.stage) = (None, Stage::Failed);
+    }
+
+    /// The autopilot's last STATUSTEXT, if it is recent enough to explain a refusal.
+    fn explanation(&self, now_ms: i64) -> String {
+        match &self.last_text {
+            Some((text, at)) if now_ms - at <= TEXT_MS => format!(": {text}"),
+            _ => String::new(),
+        }
+    }
+
+    fn remind(&mut self, now_ms: i64, notices: &mut Vec<Notice>, text: impl FnOnce() -> String) {
+        if now_ms - self.reminded_ms >= REMIND_MS {
+            self.reminded_ms = now_ms;
+            notices.push(Notice::info(text()));
+        }
+    }
+}

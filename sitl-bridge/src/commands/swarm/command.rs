@@ -1,0 +1,43 @@
+//! The command `swarm`.
+
+use super::real::RealArgs;
+use super::shared::SharedArgs;
+use super::simulated::SimulatedArgs;
+use crate::commands::actor_file::flight_ready;
+use crate::commands::console::stop_flag;
+use miette::{IntoDiagnostic as _, Result, WrapErr as _};
+
+/// Arguments of `swarm`.
+#[derive(clap::Args)]
+pub(crate) struct Swarm {
+    #[command(flatten)]
+    shared: SharedArgs,
+    /// Fly against simulated autopilots, started here, and compare with the trainer.
+    #[arg(long)]
+    sim: bool,
+    #[command(flatten)]
+    real: RealArgs,
+    #[command(flatten)]
+    simulated: SimulatedArgs,
+}
+
+impl Swarm {
+    /// Flies until it is stopped or, simulated, until the last step.
+    ///
+    /// # Errors
+    /// A file cannot be used or a link not be opened; the actor does not pass its self-test;
+    /// the simulation fails.
+    pub fn run(self) -> Result<()> {
+        let stop = stop_flag()?;
+        let (bytes, name) = self.shared.actor.read().into_diagnostic()?;
+        let actor = flight_ready(&bytes, &name).into_diagnostic()?;
+        if let Some(folder) = &self.shared.tlog {
+            std::fs::create_dir_all(folder).into_diagnostic().wrap_err("the recordings have no folder")?;
+        }
+        if self.sim {
+            self.simulated.simulate(self.shared, actor, &stop)
+        } else {
+            self.real.fly(&self.shared, actor, &stop)
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! MAVLink message ids.
+
+/// HEARTBEAT.
+pub const HEARTBEAT: u32 = 0;
+/// SYS_STATUS.
+pub const SYS_STATUS: u32 = 1;
+/// SYSTEM_TIME.
+pub const SYSTEM_TIME: u32 = 2;
+/// GPS_RAW_INT.
+pub const GPS_RAW_INT: u32 = 24;
+/// LOCAL_POSITION_NED.
+pub const LOCAL_POSITION_NED: u32 = 32;
+/// GLOBAL_POSITION_INT.
+pub const GLOBAL_POSITION_INT: u32 = 33;
+/// GPS_GLOBAL_ORIGIN.
+pub const GPS_GLOBAL_ORIGIN: u32 = 49;
+/// COMMAND_LONG.
+pub const COMMAND_LONG: u32 = 76;
+/// COMMAND_ACK.
+pub const COMMAND_ACK: u32 = 77;
+/// SET_POSITION_TARGET_LOCAL_NED.
+pub const SET_POSITION_TARGET_LOCAL_NED: u32 = 84;
+/// RADIO_STATUS.
+pub const RADIO_STATUS: u32 = 109;
+/// BATTERY_STATUS.
+pub const BATTERY_STATUS: u32 = 147;
+/// EKF_STATUS_REPORT, of ArduPilot's dialect.
+pub const EKF_STATUS_REPORT: u32 = 193;
+/// ESTIMATOR_STATUS.
+pub const ESTIMATOR_STATUS: u32 = 230;
+/// EXTENDED_SYS_STATE.
+pub const EXTENDED_SYS_STATE: u32 = 245;
+/// V2_EXTENSION.
+pub const V2_EXTENSION: u32 = 248;
+/// STATUSTEXT.
+pub const STATUSTEXT: u32 = 253;

@@ -1,0 +1,167 @@
+//! When the safety gate is asked, and which of its setpoints are sent.
+
+use super::counters::Counters;
+use super::host_time::HostTime;
+use crate::autopilot::{Clearance, Firmware, Notice};
+use firmware_core::gate::{Gate, Inputs, Phase, Reason, Request, Setpoint, Verdict};
+
+/// Without positions the gate is asked this often, ms: by the vehicle's clock, and in real time by
+/// the host's.
+const PERIOD_MS: u32 = 200;
+/// The first time it is asked later: a position of the same tick may be on its way behind another
+/// message that moved the clock.
+const FIRST_MS: u32 = 300;
+/// By the host's clock where the vehicle's may run at any speed, or wait for others, ms.
+const SIMULATION_MS: u64 = 2000;
+/// … and a setpoint is sent on its own no sooner than this after the last, ms of the host's clock.
+const SETPOINT_MS: u64 = 200;
+
+/// Which setpoints are sent after the gate was asked.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum SetpointFilter {
+    /// Any: a position arrived.
+    Any,
+    /// Those that brake or hold, and any with a new verdict. The actor's are answers to positions.
+    Braking,
+    /// Only those with a new verdict.
+    NewVerdict,
+}
+
+/// What the gate wants done.
+#[derive(Debug)]
+pub(super) struct GateOutput {
+    /// For the operator, when the verdict is another one.
+    pub notice: Option<Notice>,
+    /// The autopilot is to be commanded to return to launch.
+    pub return_home: bool,
+    /// The setpoint to send.
+    pub setpoint: Option<Setpoint>,
+}
+
+/// The safety gate with its timing.
+#[derive(Debug)]
+pub(super) struct GateDriver {
+    gate: Gate,
+    verdict: Verdict,
+    /// The operator's request, until it is handed to the gate.
+    request: Option<Request>,
+    /// When the gate was last asked, by the vehicle's and by the host's clock.
+    asked_boot_ms: u32,
+    asked_wall_ms: u64,
+    /// It was last asked without a new position.
+    overdue: bool,
+    /// When a setpoint was last sent, by the host's clock.
+    setpoint_wall_ms: u64,
+    streaming: bool,
+    counters: Counters,
+}
+
+impl GateDriver {
+    pub fn new(gate: Gate) -> Self {
+        Self {
+            gate,
+            verdict: Verdict::Silent(Reason::NotStarted),
+            request: None,
+            asked_boot_ms: 0,
+            asked_wall_ms: 0,
+            overdue: false,
+            setpoint_wall_ms: 0,
+            streaming: false,
+            counters: Counters::default(),
+        }
+    }
+
+    /// The operator's request, for the gate's next turn.
+    pub const fn set_request(&mut self, request: Request) {
+        self.request = Some(request);
+    }
+
+    /// Takes the operator's request, to hand it to the gate.
+    pub const fn take_request(&mut self) -> Option<Request> {
+        self.request.take()
+    }
+
+    pub const fn verdict(&self) -> Verdict {
+        self.verdict
+    }
+
+    pub const fn phase(&self) -> Phase {
+        self.gate.phase()
+    }
+
+    /// Counts of setpoints.
+    pub const fn counters(&self) -> &Counters {
+        &self.counters
+    }
+
+    /// What the autopilot's client may do.
+    pub const fn clearance(&self) -> Clearance {
+        Clearance { bring_up: matches!(self.verdict, Verdict::BringUp(_)), streaming: self.streaming }
+    }
+
+    /// A position arrived and the gate was asked with it: the wait for the next one begins.
+    pub const fn position_arrived(&mut self) {
+        self.overdue = false;
+    }
+
+    /// Whether the gate has to be asked without a position, at `boot_ms` of the vehicle's clock, and
+    /// which setpoints then count.
+    pub fn overdue(&mut self, boot_ms: u32, now: HostTime) -> Option<SetpointFilter> {
+        let period_ms = if self.overdue { PERIOD_MS } else { FIRST_MS };
+        let period_wall_ms = if self.gate.limits().real_time { u64::from(period_ms) } else { SIMULATION_MS };
+        let passed_ms = boot_ms.wrapping_sub(self.asked_boot_ms);
+        let passed_wall_ms = now.wall_ms.saturating_sub(self.asked_wall_ms);
+        if passed_ms < period_ms && passed_wall_ms < period_wall_ms {
+            return None;
+        }
+        self.overdue = true;
+        let since_ms = now.wall_ms.saturating_sub(self.setpoint_wall_ms);
+        Some(if since_ms >= SETPOINT_MS { SetpointFilter::Braking } else { SetpointFilter::NewVerdict })
+    }
+
+    /// Asks the gate. `firmware` is the autopilot's, once it is known.
+    pub fn tick(
+        &mut self,
+        inputs: &Inputs,
+        now: HostTime,
+        filter: SetpointFilter,
+        firmware: Option<Firmware>,
+    ) -> GateOutput {
+        let before = self.verdict;
+        self.verdict = self.gate.tick(inputs);
+        (self.asked_boot_ms, self.asked_wall_ms) = (inputs.now_ms.unwrap_or(0), now.wall_ms);
+        let is_new = before.name() != self.verdict.name() || before.reason() != self.verdict.reason();
+        // During bring-up only PX4 is sent setpoints: it requires a stream of them before OFFBOARD.
+        let early = matches!(self.verdict, Verdict::BringUp(_)) && firmware != Some(Firmware::Px4);
+        let setpoint = self.verdict.setpoint().filter(|_| !early);
+        self.streaming = setpoint.is_some();
+        let wanted = match filter {
+            SetpointFilter::Any => true,
+            SetpointFilter::Braking => is_new || !matches!(self.verdict, Verdict::Stream(_)),
+            SetpointFilter::NewVerdict => is_new,
+        };
+        let setpoint = setpoint.filter(|_| wanted);
+        if let Some(setpoint) = &setpoint {
+            self.setpoint_wall_ms = now.wall_ms;
+            self.counters.count_setpoint(setpoint.limited);
+        }
+        GateOutput {
+            notice: is_new.then(|| verdict_notice(before, self.verdict)),
+            return_home: matches!(self.verdict, Verdict::Return(_)),
+            setpoint,
+        }
+    }
+}
+
+/// What a new verdict means for the flight, in words.
+fn verdict_notice(before: Verdict, verdict: Verdict) -> Notice {
+    let flew = matches!(before, Verdict::Stream(_));
+    let (text, warning) = match verdict {
+        Verdict::Silent(reason) => (format!("no setpoints: {}", reason.name()), flew),
+        Verdict::BringUp(_) => ("ready to start".into(), false),
+        Verdict::Stream(_) => ("the actor flies".into(), false),
+        Verdict::Hold(reason, _) => (format!("holding the place: {}", reason.name()), flew),
+        Verdict::Return(reason) => (format!("asking the autopilot to return home: {}", reason.name()), true),
+    };
+    Notice { warning, text }
+}

@@ -1,0 +1,150 @@
+//! The flight of one world: its nodes and their links, the fleet, the comparison.
+
+use super::comparison::compare;
+use super::error::SimulationError;
+use super::fleet::Fleet;
+use super::fleet_config::fleet_config;
+use super::flight_driver::FlightDriver;
+use super::settings::Simulation;
+use super::world_flight::WorldFlight;
+use crate::connection::{Address, Connection};
+use crate::mission::{Mission, PoiMap};
+use crate::node::run::{Links, NodeEvent, RunControl, run};
+use crate::node::{FeedForward, Node, Settings, gate_limits};
+use crate::signing::Session;
+use crate::swarm_link::{SwarmAddress, SwarmSocket};
+use crate::tlog::TlogWriter;
+use covey_env::World;
+use covey_report::atomic;
+use firmware_core::gate::Limits;
+use std::io;
+use std::net::Ipv4Addr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
+use std::sync::mpsc::channel;
+use std::thread;
+
+/// Flies a world once; until all UAVs stream setpoints, the fleet runs at `bring_up_speed` times real
+/// time.
+pub(super) fn fly_world(
+    sim: &Simulation<'_>,
+    index: u64,
+    world: &World,
+    bring_up_speed: f64,
+    stop: &Arc<AtomicBool>,
+) -> Result<WorldFlight, SimulationError> {
+    let mission = Arc::new(sim.mission(world, index)?);
+    let uavs = sim.scenario.uavs;
+    let mut links = open_links(sim, index, uavs)?;
+    let ports: Vec<u16> = links.iter().map(|l| l.autopilot.listens_on().map_or(0, |address| address.port())).collect();
+    let pois = Arc::new(PoiMap::new(&mission.pois));
+    let mut nodes = Vec::with_capacity(uavs);
+    for (id, link) in links.iter().enumerate() {
+        let mut node = Node::new(settings(sim, id as u16, &mission, &pois, link), Session::new())?;
+        if let Some(sequence) = sim.sequence {
+            node.set_sequence(sequence);
+        }
+        nodes.push(node);
+    }
+    let landed = Arc::new(AtomicBool::new(false));
+    let epoch_ms = Arc::new(AtomicI64::new(RunControl::NO_EPOCH));
+    let control = || {
+        let (stop, epoch_ms) = (Arc::clone(&landed), Arc::clone(&epoch_ms));
+        RunControl { stop, land: false, epoch_ms, commands: None }
+    };
+    let (events, received) = channel();
+    thread::scope(|scope| {
+        let threads: Vec<_> = nodes
+            .iter_mut()
+            .zip(links.drain(..))
+            .enumerate()
+            .map(|(id, (node, links))| {
+                let (control, events) = (control(), events.clone());
+                scope.spawn(move || run(node, links, &control, id, &events))
+            })
+            .collect();
+        drop(events);
+        // Whatever goes wrong, the threads must end.
+        let flown = Fleet::start(&sim.python, &fleet_config(sim, world, &mission, &ports, bring_up_speed), sim.verbose)
+            .map_err(SimulationError::from)
+            .and_then(|fleet| FlightDriver::new(sim, world, &mission, fleet, &received, stop, &epoch_ms).drive());
+        landed.store(true, Ordering::Relaxed);
+        for (id, thread) in threads.into_iter().enumerate() {
+            let ended = thread.join().unwrap_or_else(|_| Err(io::Error::other("it panicked")));
+            if let (Err(source), true) = (ended, flown.is_ok()) {
+                return Err(SimulationError::Thread { id, source });
+            }
+        }
+        let mut flight = flown?;
+        for (_, event) in received.try_iter() {
+            if let NodeEvent::Ended(counters) = event {
+                flight.counters.add(&counters);
+            }
+        }
+        keep_mission(sim, index, &mission, epoch_ms.load(Ordering::Relaxed))?;
+        compare(sim, index, world, &mut flight);
+        Ok(flight)
+    })
+}
+
+/// Writes the mission as it was flown beside the recordings, which can be replayed with it.
+fn keep_mission(
+    sim: &Simulation<'_>,
+    index: u64,
+    mission: &Mission,
+    epoch_unix_ms: i64,
+) -> Result<(), SimulationError> {
+    let Some(folder) = &sim.tlogs else { return Ok(()) };
+    let flown = Mission { epoch_unix_ms, ..mission.clone() };
+    let text = flown.to_toml(&format!("World {index} of seed {}, as it was flown", sim.seed));
+    Ok(atomic::write(folder.join(format!("world-{index}.toml")), text.as_bytes())?)
+}
+
+fn open_links(sim: &Simulation<'_>, index: u64, uavs: usize) -> Result<Vec<Links>, SimulationError> {
+    let local = Ipv4Addr::LOCALHOST;
+    let mut links = Vec::with_capacity(uavs);
+    for id in 0..uavs {
+        let autopilot = Connection::open(&Address::UdpIn { host: local.to_string(), port: 0 })?;
+        let listen = (local, 0).into();
+        let swarm = SwarmSocket::open(&SwarmAddress::Peers { listen, peers: Vec::new() })?;
+        let tlog = sim.tlogs.as_ref().map(|folder| {
+            TlogWriter::create(&folder.join(format!("world-{index}-uav-{id}.tlog")))
+                .map_err(|source| SimulationError::Thread { id, source })
+        });
+        links.push(Links { autopilot, swarm: Some(swarm), tlog: tlog.transpose()? });
+    }
+    let addresses: Vec<_> = links.iter().filter_map(|l| l.swarm.as_ref()).map(SwarmSocket::listens_on).collect();
+    for link in &mut links {
+        if let Some(swarm) = &mut link.swarm {
+            let own = swarm.listens_on();
+            let others: Vec<_> = addresses.iter().copied().filter(|&address| address != own).collect();
+            swarm.set_peers(&others);
+        }
+    }
+    Ok(links)
+}
+
+fn settings<'a>(
+    sim: &Simulation<'a>,
+    id: u16,
+    mission: &Arc<Mission>,
+    pois: &Arc<PoiMap>,
+    links: &Links,
+) -> Settings<'a> {
+    let base = if sim.ideal { Limits::ideal() } else { Limits::simulation() };
+    let limits = gate_limits(base, mission);
+    Settings {
+        pois: Arc::clone(pois),
+        timing: sim.timing,
+        limits,
+        feed_forward: if sim.ideal { FeedForward::Action } else { FeedForward::Ramp },
+        take_off: true,
+        rate_hz: f64::from(sim.rate_hz),
+        source: links.autopilot.source(),
+        autopilot_signing: sim.signing.0.clone(),
+        swarm_signing: sim.signing.1.clone(),
+        record: links.tlog.is_some(),
+        advice: links.autopilot.advice(),
+        ..Settings::new(id, sim.actor, Arc::clone(mission))
+    }
+}

@@ -1,0 +1,7 @@
+//! The HTML page of a simulation.
+
+mod builder;
+mod episodes;
+mod tables;
+
+pub use builder::{Page, PageError};
