@@ -90,7 +90,7 @@ pub fn fly<S: Read + Write>(
     let mut actions = vec![Action::COAST; trial.scenario.uavs];
     let (mut decisions, mut differences, mut first) = (0, 0, None);
     while !world.done() {
-        policy.look(world);
+        policy.observe(world);
         let scene = Scene::of(world, &policy, actor, seed);
         for (i, action) in actions.iter_mut().enumerate() {
             let (observed, decided) = scene.turn(board, world, i, trial.mode)?;
@@ -126,7 +126,7 @@ impl Scene {
     fn of(world: &World, policy: &ActorPolicy<'_>, actor: &Actor<'_>, seed: u64) -> Self {
         let step = world.steps_done();
         let ids = 0..world.scenario().uavs;
-        let links = policy.links();
+        let links = policy.neighbourhoods();
         let graph = actor.aggregation() != Aggregation::None;
         let feature =
             |i: usize| FeatureMessage::from_actor(header(i, step), links[i].count + 1, actor, &policy.features()[i]);

@@ -177,7 +177,7 @@ fn trained(sim: &Simulation<'_>, index: u64, world: &mut World) -> Episode {
     let pair = |&(x, y): &(f32, f32)| [x, y];
     let frame = |f: &EnvFrame| Frame {
         uavs: f.uavs.iter().map(pair).collect(),
-        links: f.links.iter().map(|&(a, b)| [a, b]).collect(),
+        links: f.edges.iter().map(|&(a, b)| [a, b]).collect(),
         covered: f.covered.clone(),
         coverage: f.coverage as f32,
         actions: Vec::new(),

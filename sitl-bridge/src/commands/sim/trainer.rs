@@ -25,7 +25,7 @@ pub fn fly(mut world: World, actor: Actor<'_>, policy_seed: u64, mode: Mode) -> 
     let (mut actions, mut observations, mut coverage) = (Vec::new(), Vec::new(), Vec::new());
     while !world.done() {
         let step = world.steps_done();
-        policy.look(&world);
+        policy.observe(&world);
         let chosen: Vec<Action> =
             (0..world.scenario().uavs).map(|i| policy.choose(&policy.logits(i), i, step)).collect();
         observations.push(policy.observations().iter().map(observation_hash).collect());
@@ -58,7 +58,7 @@ impl<'a> Reviewer<'a> {
     pub fn review(&mut self, step: u32, states: &[State]) -> Option<Vec<(u64, Action)>> {
         let snapshot = situation(&self.world, step, states)?;
         self.world.restore(&snapshot).ok()?;
-        self.policy.look(&self.world);
+        self.policy.observe(&self.world);
         let one = |i| {
             let action = self.policy.choose(&self.policy.logits(i), i, step);
             (observation_hash(&self.policy.observations()[i]), action)
