@@ -10,7 +10,7 @@
 use crate::measure::Trial;
 use covey_env::policy_seed;
 use covey_env::{ActorPolicy, EpisodeMetrics, World};
-use covey_pil::{Client, Observed, PilError, Turn};
+use covey_pil::{Client, Observed, PilError, UavStep};
 use firmware_core::action::Action;
 use firmware_core::actor::{Actor, Aggregation, Logits, Mode};
 use firmware_core::geometry::{COMMUNICATION_RANGE_U, OBSERVATION_RANGE_U, State, Vec2};
@@ -73,7 +73,7 @@ pub struct Flown {
 }
 
 /// Flies world `index` of the trial by a board that holds `actor`, over a line that holds back
-/// what the board has not read (see [`Client::take_turn`]).
+/// what the board has not read (see [`Client::fly_step`]).
 ///
 /// # Errors
 /// The board does not answer, or refuses.
@@ -165,7 +165,7 @@ impl Scene {
             half_side: self.half_side,
         };
         let (now, own) = (self.now, self.states[i]);
-        board.take_turn(&Turn { setup, now, own, beacons: &beacons, pois: &pois, features: &features })
+        board.fly_step(&UavStep { setup, now, own, beacons: &beacons, pois: &pois, features: &features })
     }
 
     fn beacon(&self, i: usize) -> Message {

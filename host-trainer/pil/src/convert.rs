@@ -1,12 +1,12 @@
-//! Requests and answers between a host's types and the protocol's.
+//! Conversions between the types of a host and the records of the protocol.
 
-use crate::PilError;
-use crate::client::{Board, Heard, Observed};
+use crate::answers::{BoardReport, HearOutcome, Observed};
+use crate::error::PilError;
 use firmware_core::geometry::{OBSERVATION_RANGE_U, State, TICKS_PER_U, Vec2};
 use firmware_core::neighbour_table::Moment;
-use firmware_core::pil::{Decided, MAX_POIS, Observe, POI_BYTES, Reply, Report, Request, RequestError};
+use firmware_core::pil::{Decided, MAX_POIS, Observe, POI_BYTES, RequestError, Reply, Report, Request};
 
-/// Makes of an answer what `pick` does; what it does not pick is unexpected.
+/// Decodes an answer and converts it with `pick`; an answer that `pick` does not take is unexpected.
 pub(crate) fn read<T>(
     record: &[u8],
     request: &'static str,
@@ -20,7 +20,7 @@ pub(crate) fn read<T>(
     }
 }
 
-/// The PoIs in view of `own`, as a request holds them.
+/// The PoIs in view of the position `own` (ticks), encoded as a request holds them.
 pub(crate) fn in_view(own: Vec2, pois: impl IntoIterator<Item = Vec2>) -> Result<Vec<u8>, PilError> {
     let mut offsets = Vec::new();
     for poi in pois {
@@ -37,18 +37,21 @@ pub(crate) fn in_view(own: Vec2, pois: impl IntoIterator<Item = Vec2>) -> Result
     Ok(offsets)
 }
 
+/// The request to observe a step.
 pub(crate) const fn observe_request(now: Moment, own: State, pois: &[u8]) -> Request<'_> {
     let (position, velocity) = ([own.position.x, own.position.y], [own.velocity.x, own.velocity.y]);
     Request::Observe(Observe { now, position, velocity, pois })
 }
 
-pub(crate) const fn heard(reply: Reply<'_>) -> Option<Result<Heard, PilError>> {
+/// The answer to a neighbour's message.
+pub(crate) const fn heard(reply: Reply<'_>) -> Option<Result<HearOutcome, PilError>> {
     match reply {
-        Reply::Heard { outcome, kept } => Some(Ok(Heard { outcome, kept })),
+        Reply::Heard { outcome, kept } => Some(Ok(HearOutcome { outcome, kept })),
         _ => None,
     }
 }
 
+/// The answer to an observation of `step`.
 pub(crate) fn observed(step: u32, reply: Reply<'_>) -> Option<Result<Observed, PilError>> {
     match reply {
         Reply::Observed(o) if o.step == step => {
@@ -58,6 +61,7 @@ pub(crate) fn observed(step: u32, reply: Reply<'_>) -> Option<Result<Observed, P
     }
 }
 
+/// The decision of `step`.
 pub(crate) const fn decided(step: u32, reply: Reply<'_>) -> Option<Result<Decided, PilError>> {
     match reply {
         Reply::Decided(d) if d.step == step => Some(Ok(d)),
@@ -65,8 +69,8 @@ pub(crate) const fn decided(step: u32, reply: Reply<'_>) -> Option<Result<Decide
     }
 }
 
-/// A board that may fly, out of its report.
-pub(crate) fn board(reply: Reply<'_>) -> Option<Result<Board, PilError>> {
+/// The report of a board that may fly; a fault is an error.
+pub(crate) fn board(reply: Reply<'_>) -> Option<Result<BoardReport, PilError>> {
     match reply {
         Reply::Report(Report { actor: Err(fault), .. }) => Some(Err(PilError::Refused(RequestError::Actor(fault)))),
         Reply::Report(report) => Some(Ok(report.into())),
