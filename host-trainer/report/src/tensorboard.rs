@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 
 use crc::{CRC_32_ISCSI, Crc};
 
-use crate::atomic::advice;
+use crate::io_advice::advice;
 
 const CASTAGNOLI: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
 
@@ -35,7 +35,7 @@ pub struct EventError {
     pub path: PathBuf,
     /// What to do about it.
     pub help: String,
-    /// What the operating system said.
+    /// What the operating system reported.
     pub source: io::Error,
 }
 

@@ -1,71 +1,14 @@
-//! Metrics as JSON lines: one object a line, appended and flushed row by row.
-//!
-//! A row is complete once its newline is written. A process killed in the middle of
-//! a row leaves a tail without one; readers drop it and [`MetricsLog::resume`]
-//! cuts it off. Numbers that are not finite become `null` (JSON has no other word);
-//! [`nan_as_null`] reads them back.
-//!
-//! To make a resumed run's file the same to the byte, keep wall-clock times out of
-//! the rows and call [`MetricsLog::sync`] before each checkpoint is written.
+//! Writing a metrics file row by row.
 
+use super::error::{MetricsError, file_error};
+use super::lines::newlines;
+use serde::Serialize;
 use std::fmt;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read, Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use serde::{Serialize, de::DeserializeOwned};
-
-use crate::atomic::advice;
-
-/// What can go wrong with a metrics file.
-#[derive(Debug, thiserror::Error)]
-pub enum MetricsError {
-    /// The file could not be opened, read or written.
-    #[error("cannot {action} the metrics file {}. {help}", path.display())]
-    File {
-        /// What was being done.
-        action: &'static str,
-        /// The file.
-        path: PathBuf,
-        /// What to do about it.
-        help: String,
-        /// What the operating system said.
-        source: io::Error,
-    },
-    /// A complete row is not what was asked for.
-    #[error("row {row} of {} cannot be read. Restore the file or delete that line", path.display())]
-    Row {
-        /// The file.
-        path: PathBuf,
-        /// The row, counted from 1 as editors count lines.
-        row: u64,
-        /// What the parser said.
-        source: serde_json::Error,
-    },
-    /// A value cannot be written as JSON.
-    #[error("a row for {} cannot be written as JSON", path.display())]
-    Encode {
-        /// The file.
-        path: PathBuf,
-        /// What the serialiser said.
-        source: serde_json::Error,
-    },
-    /// Fewer rows are there than a checkpoint says were written.
-    #[error(
-        "{} has {found} complete rows, but the checkpoint was taken after row {wanted}. Resume from an earlier checkpoint",
-        path.display()
-    )]
-    TooShort {
-        /// The file.
-        path: PathBuf,
-        /// Rows in the file.
-        found: u64,
-        /// Rows that were asked for.
-        wanted: u64,
-    },
-}
-
-/// What the log needs of its file, so that a test can fill the disk.
+/// The file operations that the log needs; tests pass a disk that is full.
 trait Medium: Read + Write + Seek + Send {
     fn set_len(&self, length: u64) -> io::Result<()>;
     fn sync_data(&self) -> io::Result<()>;
@@ -81,6 +24,9 @@ impl Medium for File {
 }
 
 /// Appends rows to a metrics file.
+///
+/// To make a resumed run's file the same to the byte, keep wall-clock times out of the rows and call
+/// [`MetricsLog::sync`] before each checkpoint is written.
 pub struct MetricsLog {
     file: Box<dyn Medium>,
     path: PathBuf,
@@ -106,8 +52,8 @@ impl MetricsLog {
         }
     }
 
-    /// Opens the file of an interrupted run and keeps its first `rows` rows, those
-    /// that the checkpoint knows; the rest, complete or not, is cut off.
+    /// Opens the file of an interrupted run and keeps its first `rows` rows, those written before its checkpoint; the
+    /// rest, complete or not, is cut off.
     ///
     /// # Errors
     /// [`MetricsError::TooShort`] when the file has fewer, or [`MetricsError::File`].
@@ -124,11 +70,10 @@ impl MetricsLog {
         Self { file, path, rows: 0, length: 0, line: Vec::new() }
     }
 
-    /// Adds one row and hands it to the operating system at once.
+    /// Appends one row and hands it to the operating system at once.
     ///
-    /// # Errors
-    /// [`MetricsError::Encode`] or [`MetricsError::File`]; what was written of the
-    /// row is taken back, so that the next row starts on a line of its own.
+    /// # Errors [`MetricsError::Encode`] or [`MetricsError::File`]; a part of the row that was written is cut off
+    /// again, so that the next row starts on a line of its own.
     pub fn append<T: Serialize + ?Sized>(&mut self, row: &T) -> Result<(), MetricsError> {
         self.line.clear();
         serde_json::to_writer(&mut self.line, row)
@@ -143,14 +88,14 @@ impl MetricsLog {
         Ok(())
     }
 
-    /// Complete rows so far: what a checkpoint has to remember.
+    /// Number of complete rows so far: what a checkpoint has to remember.
     #[must_use]
     pub fn rows(&self) -> u64 {
         self.rows
     }
 
-    /// Returns once every row is on the medium. A checkpoint written after this
-    /// never knows more rows than the file has.
+    /// Returns once every row is on the storage medium, so that a checkpoint written after it never counts more rows
+    /// than the file has.
     ///
     /// # Errors
     /// [`MetricsError::File`].
@@ -185,61 +130,6 @@ impl MetricsLog {
 impl fmt::Debug for MetricsLog {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("MetricsLog").field("path", &self.path).field("rows", &self.rows).finish_non_exhaustive()
-    }
-}
-
-/// Reads every complete row. A last line without a newline is no row yet and is
-/// left out: the run may still be writing it, or was killed while it did.
-///
-/// # Errors
-/// [`MetricsError::Row`] when a complete row is not a `T`, or [`MetricsError::File`].
-pub fn read<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<Vec<T>, MetricsError> {
-    let path = path.as_ref();
-    let bytes = std::fs::read(path).map_err(|e| file_error("read", path, e))?;
-    let complete = newlines(&bytes).last().map_or(0, |at| at + 1);
-    let lines = bytes[..complete].split_inclusive(|&b| b == b'\n');
-    let row = |(index, line)| {
-        serde_json::from_slice(line).map_err(|source| MetricsError::Row {
-            path: path.into(),
-            row: index as u64 + 1,
-            source,
-        })
-    };
-    lines.enumerate().map(row).collect()
-}
-
-fn newlines(bytes: &[u8]) -> impl Iterator<Item = usize> {
-    bytes.iter().enumerate().filter(|(_, b)| **b == b'\n').map(|(at, _)| at)
-}
-
-fn file_error(action: &'static str, path: &Path, source: io::Error) -> MetricsError {
-    let help = match source.kind() {
-        io::ErrorKind::AlreadyExists => "Resume that run, or choose another run folder".into(),
-        io::ErrorKind::NotFound if action != "create" => "Check that this is a run folder".into(),
-        _ => advice(&source, &path.parent().unwrap_or(Path::new(".")).display().to_string()),
-    };
-    MetricsError::File { action, path: path.into(), help, source }
-}
-
-/// For `#[serde(with = "covey_report::metrics::nan_as_null")]` on an `f64`: numbers
-/// that are not finite are written as `null` and `null` is read as NaN.
-pub mod nan_as_null {
-    use serde::{Deserialize, Deserializer, Serializer};
-
-    /// Writes the number, or `null` when it is not finite.
-    ///
-    /// # Errors
-    /// As the serialiser says.
-    pub fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-        if value.is_finite() { serializer.serialize_f64(*value) } else { serializer.serialize_none() }
-    }
-
-    /// Reads a number, or NaN for `null`.
-    ///
-    /// # Errors
-    /// When there is something else.
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
-        Ok(Option::<f64>::deserialize(deserializer)?.unwrap_or(f64::NAN))
     }
 }
 

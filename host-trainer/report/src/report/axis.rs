@@ -1,4 +1,6 @@
-//! Where values stand on an axis, and round numbers for its ticks.
+//! Axes: where values are on them, and round numbers for their ticks.
+
+use super::number::number;
 
 /// One axis of a chart.
 #[derive(Clone, Copy, Debug)]
@@ -73,24 +75,6 @@ pub(super) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     range.unwrap_or((0.0, 1.0))
 }
 
-/// Decimal text with a true minus sign and commas between thousands.
-pub(super) fn number(value: f64, decimals: usize) -> String {
-    if !value.is_finite() {
-        return "–".into();
-    }
-    let digits = format!("{:.decimals$}", value.abs());
-    let (whole, fraction) = digits.split_at(digits.find('.').unwrap_or(digits.len()));
-    let zero = digits.bytes().all(|b| matches!(b, b'0' | b'.'));
-    let mut out = String::from(if value < 0.0 && !zero { "−" } else { "" });
-    for (i, digit) in whole.char_indices() {
-        if i > 0 && (whole.len() - i).is_multiple_of(3) {
-            out.push(',');
-        }
-        out.push(digit);
-    }
-    out + fraction
-}
-
 /// Ends that differ and whose difference does not overflow.
 fn widened(low: f64, high: f64) -> (f64, f64) {
     let (low, high) = (low.clamp(-1e300, 1e300), high.clamp(-1e300, 1e300));
@@ -130,13 +114,6 @@ mod tests {
         assert_eq!(labels(Axis::covering((-0.013, 0.004), 4)), ["−0.015", "−0.010", "−0.005", "0.000", "0.005"]);
         assert_eq!(labels(Axis::covering((0.0, 3e-7), 3)), ["0", "1e−7", "2e−7", "3e−7"]);
         assert_eq!(labels(Axis::covering((0.3, 0.3), 2)), ["0.25", "0.30", "0.35"]);
-    }
-
-    #[test]
-    fn numbers_read_well() {
-        assert_eq!(number(-1234567.891, 1), "−1,234,567.9");
-        assert_eq!(number(-0.0004, 3), "0.000");
-        assert_eq!(number(f64::NAN, 3), "–");
     }
 
     #[test]

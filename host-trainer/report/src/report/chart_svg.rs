@@ -2,19 +2,17 @@
 
 use std::fmt::Write;
 
-use super::ReportError;
 use super::chart::{Chart, Series};
-use super::chart_html::{Palette, classes};
 use super::curve::{Axes, band, label_on_right, line};
+use super::error::ReportError;
 use super::escape::Escaped;
+use super::palette::{Palette, classes};
+use super::picture::STYLE;
 
 const WIDTH: f64 = 720.0;
 const HEIGHT: f64 = 400.0;
 /// The plot inside the picture: left, top, width, height.
 const PLOT: (f64, f64, f64, f64) = (64.0, 76.0, 632.0, 272.0);
-
-/// Light and dark colours, as in the page's style sheet.
-pub(super) const STYLE: &str = include_str!("../assets/picture.css");
 
 /// Where the first line of the legend is, and how far the next.
 const FIRST_LINE: f64 = 50.0;

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::chart::Chart;
-use super::table::{Better, Cell, Column, Row, Table};
-use super::{Content, Estimate, Figure, Group, Report, Section};
+use super::model::{Content, Figure, Group, Report, Section};
+use super::table::{Better, Cell, Column, Estimate, Row, Table};
 
 /// What a comparison takes of one run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use serde::{Deserialize, Serialize};
 
-use super::axis::number;
 use super::escape::Escaped;
+use super::number::number;
 
 /// Rows by columns, such as policies by metrics.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
