@@ -6,7 +6,7 @@ use crate::evaluation::{Evaluation, evaluate_with};
 use crate::scenario::{Scenario, ScenarioError};
 
 /// Evaluates UAVs that stand at the best static sites from the start, on worlds 0 to `worlds` − 1 of `seed`: an upper
-/// bound for policies that have to fly to their sites and stay there.
+/// bound on the coverage of any policy, since no state covers more PoIs than the maximum cover.
 ///
 /// # Errors
 /// [`ScenarioError`] when the scenario is not valid.

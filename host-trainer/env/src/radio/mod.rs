@@ -32,7 +32,6 @@ pub use counts::DatagramCounts;
 pub use error::RadioError;
 pub use evaluate::evaluate_over_radio;
 pub use figures::RadioFigures;
-pub use keys::KEYS;
 pub use limits::MAX_NODES;
 pub use observer::RadioObserver;
 pub use policy::RadioPolicy;

@@ -2,7 +2,6 @@
 
 use super::folder::folder_of;
 use crate::io_advice::advice;
-use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
@@ -19,9 +18,22 @@ pub enum Stage {
     SyncFolder,
 }
 
+impl Stage {
+    /// What failed, before the name of the file.
+    const fn action(self) -> &'static str {
+        match self {
+            Self::Create => "create a file beside",
+            Self::Write => "write",
+            Self::Rename => "replace",
+            Self::SyncFolder => "sync the folder of",
+        }
+    }
+}
+
 /// A file could not be written. Says what failed and what to do, and has what the system said as
 /// its source; the file of that name, if there was one, is as before (except at [`Stage::SyncFolder`]).
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("cannot {} {}. {}", .stage.action(), .path.display(), self.help())]
 pub struct WriteError {
     /// The file that was to be written.
     pub path: PathBuf,
@@ -41,23 +53,5 @@ impl WriteError {
         }
         let advice = advice(&self.source, &folder.to_string());
         format!("{advice}. What {} held before is untouched", self.path.display())
-    }
-}
-
-impl fmt::Display for WriteError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let what = match self.stage {
-            Stage::Create => "create a file beside",
-            Stage::Write => "write",
-            Stage::Rename => "replace",
-            Stage::SyncFolder => "sync the folder of",
-        };
-        write!(f, "cannot {what} {}. {}", self.path.display(), self.help())
-    }
-}
-
-impl std::error::Error for WriteError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        Some(&self.source)
     }
 }

@@ -43,8 +43,8 @@ impl Axis {
         self.high
     }
 
-    /// 0 at the low end, 1 at the high end.
-    pub fn place(&self, value: f64) -> f64 {
+    /// Where a value is on the axis: 0 at the low end, 1 at the high end.
+    pub fn fraction(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
     }
 
@@ -131,7 +131,7 @@ mod tests {
                 let ticks: Vec<_> = axis.ticks().collect();
                 prop_assert!((1..=24).contains(&ticks.len()), "{axis:?}: {ticks:?}");
                 for t in ticks {
-                    prop_assert!((-1e-6..=1.0 + 1e-6).contains(&axis.place(t)), "{axis:?}: {t}");
+                    prop_assert!((-1e-6..=1.0 + 1e-6).contains(&axis.fraction(t)), "{axis:?}: {t}");
                 }
             }
         }

@@ -49,17 +49,17 @@ fn figure(chart: &Chart, palette: &mut Palette) -> String {
     let mut svg = String::from("<path class=\"gridline\" d=\"");
     let mut labels = String::new();
     for tick in axes.y.ticks() {
-        let top = 1.0 - axes.y.place(tick);
+        let top = 1.0 - axes.y.fraction(tick);
         let _ = write!(svg, "M0 {:.1}H1000", top * 1000.0);
         let _ = write!(labels, "<span class=\"ty\" style=\"top:{:.2}%\">{}</span>", top * 100.0, axes.y.label(tick));
     }
     svg += "\"/>";
     for tick in axes.x.ticks() {
-        let left = axes.x.place(tick) * 100.0;
+        let left = axes.x.fraction(tick) * 100.0;
         let _ = write!(labels, "<span class=\"tx\" style=\"left:{left:.2}%\">{}</span>", axes.x.label(tick));
     }
-    for reference in chart.references.iter().filter(|r| (0.0..=1.0).contains(&axes.y.place(r.y))) {
-        let top = 1.0 - axes.y.place(reference.y);
+    for reference in chart.references.iter().filter(|r| (0.0..=1.0).contains(&axes.y.fraction(r.y))) {
+        let top = 1.0 - axes.y.fraction(reference.y);
         let _ = write!(svg, "<path class=\"reference\" d=\"M0 {:.1}H1000\"/>", top * 1000.0);
         // Near the top there is no room above the line.
         let below = if top < 0.12 { " below" } else { "" };

@@ -54,8 +54,8 @@ impl From<&Frame> for FrameJson {
 }
 
 /// Coordinates in hundredths of a unit, x and y in turn; null where not finite.
-fn hundredths(places: &[[f32; 2]]) -> Vec<Option<i32>> {
-    places.iter().flatten().map(|c| c.is_finite().then_some((c * 100.0).round() as i32)).collect()
+fn hundredths(positions: &[[f32; 2]]) -> Vec<Option<i32>> {
+    positions.iter().flatten().map(|c| c.is_finite().then_some((c * 100.0).round() as i32)).collect()
 }
 
 /// Four flags a hexadecimal digit, the first in the lowest bit.

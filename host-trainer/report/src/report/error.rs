@@ -77,7 +77,7 @@ pub enum ReportError {
     #[error(transparent)]
     Write(#[from] WriteError),
     /// The folder of the page could not be created.
-    #[error("cannot make the folder {folder}. Choose another place for the report")]
+    #[error("cannot create the folder {folder}. Choose another folder for the report")]
     Folder {
         /// The folder.
         folder: String,

@@ -16,7 +16,7 @@ pub struct Report {
     pub sections: Vec<Section>,
 }
 
-/// One part of the page, under a heading of its own.
+/// One section of the page, under a heading of its own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Section {
     /// The heading.
