@@ -2,7 +2,7 @@
 
 use super::neighbourhood::Neighbourhood;
 use crate::world::World;
-use firmware_core::geometry::{COMMUNICATION_RANGE_U, OBSERVATION_RANGE_U, State, Vec2};
+use firmware_core::geometry::{State, Vec2};
 use firmware_core::observation::{BuildObservation, Neighbour, Neighbours, Scene};
 use firmware_core::random::tie_breaker;
 
@@ -57,18 +57,17 @@ impl Observer {
             *neighbourhood = neighbours.as_slice().iter().map(|n| n.id).collect();
             let own = self.beacons[i];
             let scene = Scene { id: i as u16, own: own.state, tie: own.tie, half_side, neighbours: &neighbours };
-            let in_cells = world.poi_cells.around(world.x[i], world.y[i], OBSERVATION_RANGE_U as f32);
-            *observation = O::build(&scene, in_cells.flat_map(|run| &world.poi_ticks[run]).copied());
+            *observation = O::build(&scene, world.poi_ticks_near(i));
         }
     }
 
     fn fill_beacons(&mut self, world: &World) {
         let step = world.steps_done();
         self.beacons.clear();
-        self.beacons.extend((0..world.x.len()).map(|i| BeaconContent {
+        self.beacons.extend((0..world.scenario().uavs).map(|i| BeaconContent {
             state: State {
-                position: Vec2::from_u(world.x[i], world.y[i]),
-                velocity: Vec2::from_u(world.vx[i], world.vy[i]),
+                position: Vec2::from_u(world.x()[i], world.y()[i]),
+                velocity: Vec2::from_u(world.vx()[i], world.vy()[i]),
             },
             tie: tie_breaker(self.policy_seed, i as u16, step, self.tie_period),
         }));
@@ -77,15 +76,10 @@ impl Observer {
     fn find_neighbours(&self, world: &World, i: usize, neighbours: &mut Neighbours) {
         neighbours.clear();
         let own = self.beacons[i].state.position;
-        for run in world.uav_cells.around(world.x[i], world.y[i], COMMUNICATION_RANGE_U as f32) {
-            for &j in &world.uav_cells.points()[run] {
-                if j as usize == i {
-                    continue;
-                }
-                let BeaconContent { state, tie } = self.beacons[j as usize];
-                let offset = state.position - own;
-                neighbours.insert(Neighbour { id: j as u16, offset, velocity: state.velocity, tie });
-            }
+        for j in world.uavs_near(i).filter(|&j| j != i) {
+            let BeaconContent { state, tie } = self.beacons[j];
+            let offset = state.position - own;
+            neighbours.insert(Neighbour { id: j as u16, offset, velocity: state.velocity, tie });
         }
     }
 }

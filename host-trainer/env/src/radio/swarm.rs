@@ -7,7 +7,7 @@ use super::settings::RadioSettings;
 use super::timing::{DECIDE_MS, ENCODE_MS, STEP_MS};
 use crate::world::World;
 use firmware_core::agent::{Agent, AgentSettings};
-use firmware_core::geometry::{COMMUNICATION_RANGE_U, OBSERVATION_RANGE_U, State, TICKS_PER_U, Vec2};
+use firmware_core::geometry::{COMMUNICATION_RANGE_U, State, TICKS_PER_U, Vec2};
 use firmware_core::message::{FeatureMessage, MAX_LEN, Message};
 use firmware_core::neighbour_table::Moment;
 use firmware_core::observation::BuildObservation;
@@ -123,9 +123,7 @@ impl Swarm {
     ) {
         let agents = self.agents.iter_mut().zip(&self.states);
         for (i, ((agent, state), observation)) in agents.zip(observations).enumerate() {
-            let (x, y) = world.position(i);
-            let in_cells = world.poi_cells.around(x, y, OBSERVATION_RANGE_U as f32);
-            *observation = agent.observe(now, *state, in_cells.flat_map(|run| &world.poi_ticks[run]).copied());
+            *observation = agent.observe(now, *state, world.poi_ticks_near(i));
             if let Some(feature) = encode(agent, observation, sequence(now)) {
                 send(&mut self.channel, now_ms, i, &Message::Feature(feature));
             }

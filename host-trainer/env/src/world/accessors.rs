@@ -3,6 +3,7 @@
 use super::metrics::EpisodeMetrics;
 use super::state::World;
 use crate::scenario::Scenario;
+use firmware_core::geometry::{COMMUNICATION_RANGE_U, OBSERVATION_RANGE_U, Vec2};
 
 impl World {
     /// The scenario that the world was made for.
@@ -95,6 +96,20 @@ impl World {
                 dx * dx + dy * dy <= range_u * range_u
             },
         )
+    }
+
+    /// Positions in ticks of the PoIs in observation range of UAV `i`, and possibly of some others near by.
+    #[inline]
+    pub(crate) fn poi_ticks_near(&self, i: usize) -> impl Iterator<Item = Vec2> + '_ {
+        let runs = self.poi_cells.around(self.x[i], self.y[i], OBSERVATION_RANGE_U as f32);
+        runs.flat_map(|run| &self.poi_ticks[run]).copied()
+    }
+
+    /// Indices of the UAVs in communication range of UAV `i`, itself included, and possibly of some others near by.
+    #[inline]
+    pub(crate) fn uavs_near(&self, i: usize) -> impl Iterator<Item = usize> + '_ {
+        let runs = self.uav_cells.around(self.x[i], self.y[i], COMMUNICATION_RANGE_U as f32);
+        runs.flat_map(|run| &self.uav_cells.points()[run]).map(|&j| j as usize)
     }
 
     /// Number of PoIs that each UAV and exactly one other of its group cover: what the UAV's presence takes from the

@@ -17,29 +17,29 @@ use firmware_core::geometry::{COMMUNICATION_RANGE_U, OBSERVATION_RANGE_U, Vec2};
 /// their ids. After the first episode neither [`World::reset`] nor [`World::step`] allocates.
 #[derive(Clone, Debug)]
 pub struct World {
-    pub(crate) scenario: Scenario,
-    pub(crate) steps_done: u32,
-    pub(crate) x: Vec<f32>,
-    pub(crate) y: Vec<f32>,
-    pub(crate) vx: Vec<f32>,
-    pub(crate) vy: Vec<f32>,
-    pub(crate) poi_x: Vec<f32>,
-    pub(crate) poi_y: Vec<f32>,
-    pub(crate) uav_cells: CellGrid,
-    pub(crate) poi_cells: CellGrid,
+    pub(super) scenario: Scenario,
+    pub(super) steps_done: u32,
+    pub(super) x: Vec<f32>,
+    pub(super) y: Vec<f32>,
+    pub(super) vx: Vec<f32>,
+    pub(super) vy: Vec<f32>,
+    pub(super) poi_x: Vec<f32>,
+    pub(super) poi_y: Vec<f32>,
+    pub(super) uav_cells: CellGrid,
+    pub(super) poi_cells: CellGrid,
     /// Positions of the PoIs in the order of the slots of `poi_cells`.
-    pub(crate) slot_x: Vec<f32>,
-    pub(crate) slot_y: Vec<f32>,
+    pub(super) slot_x: Vec<f32>,
+    pub(super) slot_y: Vec<f32>,
     /// The same in ticks, as the observation takes them.
-    pub(crate) poi_ticks: Vec<Vec2>,
+    pub(super) poi_ticks: Vec<Vec2>,
     /// The communication graph as adjacency lists: the neighbours of all UAVs, one UAV after another.
-    pub(crate) adjacency: Vec<u16>,
+    pub(super) adjacency: Vec<u16>,
     /// Where each UAV's neighbours begin in `adjacency`, and the end.
-    pub(crate) adjacency_starts: Vec<u32>,
-    pub(crate) degree: Vec<u32>,
-    pub(crate) groups: Groups,
-    pub(crate) score: Score,
-    pub(crate) totals: Totals,
+    pub(super) adjacency_starts: Vec<u32>,
+    pub(super) degree: Vec<u32>,
+    pub(super) groups: Groups,
+    pub(super) score: Score,
+    pub(super) totals: Totals,
 }
 
 impl World {
@@ -158,7 +158,7 @@ impl World {
     }
 
     /// Recomputes the communication graph, groups and scores from the present positions and velocities.
-    pub(crate) fn refresh(&mut self) {
+    pub(super) fn refresh(&mut self) {
         for (e, (&vx, &vy)) in self.score.energy.iter_mut().zip(self.vx.iter().zip(&self.vy)) {
             *e = step_energy(vx, vy);
         }

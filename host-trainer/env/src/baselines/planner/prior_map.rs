@@ -4,7 +4,7 @@ use super::known::poi_position;
 use crate::scenario::PoiDistribution;
 use crate::world::World;
 
-/// Side of a cell, u. Its centre is also a place to fly to.
+/// Side of a cell, u. Its centre is also a candidate target.
 pub(super) const CELL_U: f64 = 5.0;
 /// Standard deviation of the Gaussian kernel by which known PoIs make further ones likely, u.
 const KERNEL_U: f64 = 22.0;
