@@ -130,7 +130,7 @@ fn lists_that_do_not_fit_are_named() {
         (|e| e.frames[0].actions.truncate(1), "step 0: 1 actions where there should be 3"),
         (|e| e.frames[1].edges.push([0, 3]), "edge [0, 3] names a UAV beyond the 3"),
         (|e| e.side_u = 0.0, "side of the map must be a finite number above 0"),
-        (|e| e.pois[0][1] = f32::NAN, "place of every PoI must be a finite number"),
+        (|e| e.pois[0][1] = f32::NAN, "position of every PoI must be a finite number"),
         (|e| e.frames[1].coverage = f32::INFINITY, "coverage of every step"),
     ];
     for (spoil, message) in spoilt {

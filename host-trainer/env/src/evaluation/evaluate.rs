@@ -8,7 +8,7 @@ use crate::world::World;
 use rayon::prelude::*;
 
 /// Seed of the on-board random numbers (tie-breakers, drawn actions) of a policy in held-out world `index` of `seed`.
-/// For evaluation alone: training derives its policy seeds otherwise, so that the two never share random numbers.
+/// For evaluation alone: training derives its policy seeds with another constant.
 #[must_use]
 pub const fn policy_seed(seed: u64, index: u64) -> u64 {
     (seed ^ 0x6576_616c).wrapping_add(index.wrapping_mul(0x9e37_79b9_7f4a_7c15))
