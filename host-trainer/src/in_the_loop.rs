@@ -10,7 +10,7 @@
 use crate::measure::Trial;
 use covey_env::policy_seed;
 use covey_env::{ActorPolicy, EpisodeMetrics, World};
-use covey_pil::{Client, Observed, PilError, Turn};
+use covey_pil::{Client, Observed, PilError, UavStep};
 use firmware_core::action::Action;
 use firmware_core::actor::{Actor, Aggregation, Logits, Mode};
 use firmware_core::geometry::{COMMUNICATION_RANGE_U, OBSERVATION_RANGE_U, State, Vec2};
@@ -73,7 +73,7 @@ pub struct Flown {
 }
 
 /// Flies world `index` of the trial by a board that holds `actor`, over a line that holds back
-/// what the board has not read (see [`Client::take_turn`]).
+/// what the board has not read (see [`Client::fly_step`]).
 ///
 /// # Errors
 /// The board does not answer, or refuses.
@@ -90,7 +90,7 @@ pub fn fly<S: Read + Write>(
     let mut actions = vec![Action::COAST; trial.scenario.uavs];
     let (mut decisions, mut differences, mut first) = (0, 0, None);
     while !world.done() {
-        policy.look(world);
+        policy.observe(world);
         let scene = Scene::of(world, &policy, actor, seed);
         for (i, action) in actions.iter_mut().enumerate() {
             let (observed, decided) = scene.turn(board, world, i, trial.mode)?;
@@ -126,7 +126,7 @@ impl Scene {
     fn of(world: &World, policy: &ActorPolicy<'_>, actor: &Actor<'_>, seed: u64) -> Self {
         let step = world.steps_done();
         let ids = 0..world.scenario().uavs;
-        let links = policy.links();
+        let links = policy.neighbourhoods();
         let graph = actor.aggregation() != Aggregation::None;
         let feature =
             |i: usize| FeatureMessage::from_actor(header(i, step), links[i].count + 1, actor, &policy.features()[i]);
@@ -165,7 +165,7 @@ impl Scene {
             half_side: self.half_side,
         };
         let (now, own) = (self.now, self.states[i]);
-        board.take_turn(&Turn { setup, now, own, beacons: &beacons, pois: &pois, features: &features })
+        board.fly_step(&UavStep { setup, now, own, beacons: &beacons, pois: &pois, features: &features })
     }
 
     fn beacon(&self, i: usize) -> Message {

@@ -223,7 +223,7 @@ pub fn agreement<O: ActorInput>(
         let mut actions = vec![Action::COAST; trial.scenario.uavs];
         let mut agreeing = 0;
         while !world.done() {
-            own.look(&world);
+            own.observe(&world);
             let logits = other.look(&world).logits();
             for (i, action) in actions.iter_mut().enumerate() {
                 let mine = own.logits(i);

@@ -3,7 +3,7 @@
 use crate::measure::{EvalRow, Trial, mode_name};
 use covey_env::Evaluation;
 use covey_env::policy_seed;
-use covey_env::radio::{RadioFigures, RadioPolicy, RadioSettings, RadioWorldError, evaluate_over};
+use covey_env::radio::{RadioFigures, RadioPolicy, RadioSettings, RadioWorldError, evaluate_over_radio};
 use firmware_core::actor::{ActorInput, QuantisedActor};
 use serde::{Deserialize, Serialize};
 
@@ -67,7 +67,8 @@ pub fn measure<O: ActorInput>(
 ) -> Result<(EvalRow, Evaluation), RadioWorldError> {
     let policy = RadioPolicy::new(*actor, 0, trial.mode, link, trial.scenario.uavs)?;
     let seeds = |index| policy_seed(trial.seed, index);
-    let (evaluation, figures) = evaluate_over(&trial.scenario, trial.seed, u64::from(trial.worlds), &policy, seeds)?;
+    let (evaluation, figures) =
+        evaluate_over_radio(&trial.scenario, trial.seed, u64::from(trial.worlds), &policy, seeds)?;
     let mut row = EvalRow::new(name, trial, mode_name(trial.mode), &evaluation);
     row.link = Some(LinkRow::new(link, &figures));
     Ok((row, evaluation))

@@ -231,7 +231,7 @@ pub fn to_episode(trace: &Trace, title: &str) -> Episode {
     let pair = |&(x, y): &(f32, f32)| [x, y];
     let frame = |f: &covey_env::Frame| Frame {
         uavs: f.uavs.iter().map(pair).collect(),
-        links: f.links.iter().map(|&(a, b)| [a, b]).collect(),
+        edges: f.edges.iter().map(|&(a, b)| [a, b]).collect(),
         covered: f.covered.clone(),
         coverage: f.coverage as f32,
         actions: Vec::new(),

@@ -134,17 +134,17 @@ fn fly(file: &[u8], scenario: &Scenario, mode: Mode, reach_u: i32) -> (u8, usize
         exchange(&mut boards, &beacons, reach_u);
         let features: Vec<_> = boards.iter_mut().map(|b| b.encode(scenario.half_side_ticks(), &pois)).collect();
         exchange(&mut boards, &features, reach_u);
-        trained.look(&world);
+        trained.observe(&world);
         let mut actions = Vec::new();
         for (i, board) in boards.iter().enumerate() {
             let (logits, action) = board.decide(mode);
             let at = format!("step {step}, UAV {i}");
             assert_eq!(board.observation, trained.observations()[i], "{at}: observation");
             let ids: Vec<u16> = board.view.as_slice().iter().map(|n| n.id).collect();
-            assert_eq!(ids, trained.links()[i].as_slice(), "{at}: neighbours");
+            assert_eq!(ids, trained.neighbourhoods()[i].as_slice(), "{at}: neighbours");
             assert_eq!(logits, trained.logits(i), "{at}: logits");
             assert_eq!(action, trained.choose(&logits, i, step), "{at}: action");
-            most = most.max(trained.links()[i].count);
+            most = most.max(trained.neighbourhoods()[i].count);
             links += ids.len();
             actions.push(action);
         }

@@ -3,7 +3,7 @@
 //! `cargo run --release -p covey-env --example reference [WORLDS [SEED]]`
 
 use covey_env::baselines::{Centroid, Follower, Greedy, Hover, Planner, Random, RememberingPlanner};
-use covey_env::cover::best_sites;
+use covey_env::oracles::cover::best_sites;
 use covey_env::oracles::{FlyToSites, evaluate_parked};
 use covey_env::{EpisodeMetrics, Evaluation, PoiDistribution, Scenario, ScenarioError, World, evaluate, policy_seed};
 
@@ -44,7 +44,7 @@ fn show(
     Ok(())
 }
 
-/// How many covers are proven best, and what that costs.
+/// How many maximum covers are proven optimal, and what that costs.
 fn prove(scenario: &Scenario, seed: u64, worlds: u64) -> Result<(), ScenarioError> {
     let start = std::time::Instant::now();
     let mut world = World::new(scenario)?;

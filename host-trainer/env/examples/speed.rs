@@ -32,8 +32,8 @@ fn measure(name: &str, scenario: &Scenario, policy: &mut dyn Policy) -> Result<(
         script.push(actions.clone());
     }
     let mut observer = Observer::new(1, 1);
-    let mut out = vec![[0; LEN]; scenario.uavs];
-    let mut links = vec![Neighbourhood::default(); scenario.uavs];
+    let mut observations = vec![[0; LEN]; scenario.uavs];
+    let mut neighbourhoods = vec![Neighbourhood::default(); scenario.uavs];
     let mut rate = |observe: bool| {
         let (start, mut agent_steps) = (Instant::now(), 0);
         while start.elapsed().as_secs_f64() < 0.5 {
@@ -41,7 +41,7 @@ fn measure(name: &str, scenario: &Scenario, policy: &mut dyn Policy) -> Result<(
             for actions in &script {
                 world.step(actions);
                 if observe {
-                    observer.observe(&world, &mut out, &mut links);
+                    observer.observe(&world, &mut observations, &mut neighbourhoods);
                 }
             }
             agent_steps += script.len() * scenario.uavs;

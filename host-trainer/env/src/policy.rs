@@ -1,19 +1,18 @@
-//! What flies the UAVs of a world.
+//! The interface of a policy.
 
 use crate::world::World;
 use firmware_core::action::Action;
 
-/// Chooses the actions of one world, episode after episode. Each world gets a policy
-/// of its own, so that worlds run side by side and none disturbs another.
+/// Chooses the actions of all UAVs of one world, episode after episode. Each world gets a policy of its own, so that
+/// worlds can run side by side on several threads.
 pub trait Policy {
-    /// A new episode begins in `world`, which stands at its spawn state.
+    /// Called when a new episode begins in `world`, which is in its spawn state.
     fn begin(&mut self, world: &World) {
         let _ = world;
     }
 
-    /// Writes the action of every UAV for the present state of `world`. `actions` has
-    /// one entry a UAV; each holds [`Action::COAST`] in the first step and the last
-    /// choice afterwards.
+    /// Writes the action of every UAV for the present state of `world`. `actions` has one entry for each UAV: before
+    /// the first step of an episode [`Action::COAST`], afterwards the action of the step before.
     fn act(&mut self, world: &World, actions: &mut [Action]);
 }
 

@@ -1,16 +1,16 @@
-//! What a world is made of.
+//! The scenario: sizes of a world and how its PoIs are distributed.
 
 use firmware_core::geometry::{MAP_SIDE_U, TICKS_PER_U};
 use serde::{Deserialize, Serialize};
 
-/// How PoIs are scattered at reset.
+/// How the positions of the PoIs are drawn at reset.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PoiDistribution {
-    /// Three normal clouds, centres at least a quarter of the side apart.
+    /// Three normal clusters whose centres are at least a quarter of the side apart.
     #[default]
     Clustered,
-    /// Each PoI uniform on the map.
+    /// Each PoI uniformly on the map.
     Uniform,
 }
 
@@ -23,16 +23,16 @@ pub struct Scenario {
     pub uavs: usize,
     /// Number of PoIs, 1 to [`Scenario::MAX_POIS`].
     pub pois: usize,
-    /// How PoIs are scattered.
+    /// How the positions of the PoIs are drawn.
     pub distribution: PoiDistribution,
     /// Side of the square map, u, [`Scenario::MIN_SIDE_U`] to [`Scenario::MAX_SIDE_U`].
-    /// The laws of the reset scale with it; the ranges do not.
+    /// The distributions at reset scale with it; the ranges (10, 13 and 18 u) do not.
     pub side_u: f32,
     /// Steps in an episode, at least 1.
     pub steps: u32,
 }
 
-/// A scenario that cannot be built.
+/// Why a scenario is not valid: the first size that is out of range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ScenarioError {
     /// `uavs` out of range.
@@ -65,7 +65,7 @@ impl Scenario {
     /// Largest side of a map, u: positions still resolve to a thousandth of a unit.
     pub const MAX_SIDE_U: f32 = 16_384.0;
 
-    /// Half the side of the map, ticks: what the observation scales positions by.
+    /// Half the side of the map, ticks (1/1024 u): the observation scales positions by it.
     #[must_use]
     pub fn half_side_ticks(&self) -> i32 {
         (self.side_u * (TICKS_PER_U as f32 / 2.0)) as i32
@@ -74,7 +74,7 @@ impl Scenario {
     /// Checks every size.
     ///
     /// # Errors
-    /// The first field that is out of range.
+    /// [`ScenarioError`] of the first field that is out of range.
     pub fn validate(&self) -> Result<(), ScenarioError> {
         if !(1..=Self::MAX_UAVS).contains(&self.uavs) {
             return Err(ScenarioError::Uavs(self.uavs));

@@ -1,4 +1,4 @@
-//! A warm world neither allocates nor frees, nor does a swarm that flies over a link.
+//! In steady state neither a world nor a swarm over a radio channel allocates or frees memory.
 
 use covey_env::radio::RadioPolicy;
 use covey_env::{Neighbourhood, Observer, Policy, Scenario, World};
@@ -42,8 +42,8 @@ fn a_warm_world_allocates_nothing() {
     let scenario = Scenario::default();
     let mut world = World::new(&scenario).unwrap();
     let mut observer = Observer::new(1, 1);
-    let mut out = vec![[0; LEN]; scenario.uavs];
-    let mut links = vec![Neighbourhood::default(); scenario.uavs];
+    let mut observations = vec![[0; LEN]; scenario.uavs];
+    let mut neighbourhoods = vec![Neighbourhood::default(); scenario.uavs];
     let mut actions = vec![Action::COAST; scenario.uavs];
     let mut episode = || {
         let before = CALLS.get();
@@ -54,7 +54,7 @@ fn a_warm_world_allocates_nothing() {
                 *a = Action::new(((i * 3 + t * t) % 17) as u8).unwrap();
             }
             world.step(&actions);
-            observer.observe(&world, &mut out, &mut links);
+            observer.observe(&world, &mut observations, &mut neighbourhoods);
         }
         CALLS.get() - before
     };
@@ -63,13 +63,13 @@ fn a_warm_world_allocates_nothing() {
 }
 
 #[test]
-fn a_warm_swarm_over_a_bad_link_allocates_nothing() {
+fn a_warm_swarm_over_a_bad_radio_allocates_nothing() {
     let file = include_bytes!("../../../firmware-core/tests/data/sample-gcn.actor");
     let actor = Actor::load(file).unwrap();
     let scenario = Scenario { steps: 30, ..Scenario::default() };
-    let link = "loss=0.2,burst=3,jitter_ms=5000,duplicate=0.3,reorder=0.3,corrupt=0.2".parse().unwrap();
+    let settings = "loss=0.2,burst=3,jitter_ms=5000,duplicate=0.3,reorder=0.3,corrupt=0.2".parse().unwrap();
     let mut world = World::new(&scenario).unwrap();
-    let mut policy = RadioPolicy::new(actor, 1, Mode::Sample, &link, scenario.uavs).unwrap();
+    let mut policy = RadioPolicy::new(actor, 1, Mode::Sample, &settings, scenario.uavs).unwrap();
     let mut actions = vec![Action::COAST; scenario.uavs];
     let mut episode = || {
         let before = CALLS.get();

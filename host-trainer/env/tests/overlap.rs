@@ -1,4 +1,4 @@
-//! What a UAV takes from the others of its group, beside a plain count.
+//! The overlap of a UAV with the others of its group, compared with a plain count.
 
 use covey_env::baselines::Random;
 use covey_env::{Policy, Scenario, World};
@@ -10,7 +10,7 @@ fn squared(a: (f32, f32), b: (f32, f32)) -> f32 {
     x * x + y * y
 }
 
-/// A number for every UAV, the same for those linked by any number of hops.
+/// A number for every UAV, the same for those connected over any number of hops.
 fn groups(world: &World, uavs: usize) -> Vec<usize> {
     let mut group: Vec<usize> = (0..uavs).collect();
     let range = (COMMUNICATION_RANGE_U * COMMUNICATION_RANGE_U) as f32;

@@ -1,22 +1,22 @@
-//! The link model through its public interface: what it does to datagrams, how often, and
+//! The channel model through its public interface: what it does to datagrams, how often, and
 //! that nothing but the seed and the datagrams themselves decides it.
 
-use covey_env::radio::{Counts, MAX_NODES, Radio, RadioError, RadioSettings};
+use covey_env::radio::{DatagramCounts, MAX_NODES, RadioChannel, RadioError, RadioSettings};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 
-fn link(text: &str) -> RadioSettings {
-    text.parse().expect("a link")
+fn settings(text: &str) -> RadioSettings {
+    text.parse().expect("valid settings")
 }
 
-fn radio(text: &str, nodes: usize, seed: u64) -> Radio {
-    Radio::new(&link(text), nodes, seed).expect("a link")
+fn channel(text: &str, nodes: usize, seed: u64) -> RadioChannel {
+    RadioChannel::new(&settings(text), nodes, seed).expect("valid settings")
 }
 
 /// Everything that has arrived at `to`: time, sender, bytes.
-fn drain(radio: &mut Radio, now_ms: u64, to: usize) -> Vec<(u64, usize, Vec<u8>)> {
+fn drain(channel: &mut RadioChannel, now_ms: u64, to: usize) -> Vec<(u64, usize, Vec<u8>)> {
     let mut out = Vec::new();
-    while let Some(d) = radio.poll(now_ms, to) {
+    while let Some(d) = channel.poll(now_ms, to) {
         out.push((d.due_ms, d.from, d.bytes.to_vec()));
     }
     out
@@ -24,12 +24,12 @@ fn drain(radio: &mut Radio, now_ms: u64, to: usize) -> Vec<(u64, usize, Vec<u8>)
 
 /// The numbers of the datagrams that arrive of `n` sent from 0 to 1, `gap_ms` apart, in the
 /// order of their arrival.
-fn arrivals(radio: &mut Radio, n: u32, gap_ms: u64) -> Vec<u32> {
+fn arrivals(channel: &mut RadioChannel, n: u32, gap_ms: u64) -> Vec<u32> {
     for k in 0..n {
-        radio.send(u64::from(k) * gap_ms, 0, 1, &k.to_le_bytes());
+        channel.send(u64::from(k) * gap_ms, 0, 1, &k.to_le_bytes());
     }
     let number = |bytes: Vec<u8>| u32::from_le_bytes(bytes.try_into().expect("four bytes"));
-    drain(radio, u64::MAX, 1).into_iter().map(|(_, _, bytes)| number(bytes)).collect()
+    drain(channel, u64::MAX, 1).into_iter().map(|(_, _, bytes)| number(bytes)).collect()
 }
 
 /// The lengths of the gaps in ascending numbers 0..n.
@@ -40,8 +40,8 @@ fn bursts(arrived: &[u32], n: u32) -> Vec<u32> {
 }
 
 #[test]
-fn a_perfect_link_brings_everything_at_once_and_in_order() {
-    let mut r = radio("perfect", 3, 1);
+fn a_perfect_channel_delivers_everything_at_once_and_in_order() {
+    let mut r = channel("perfect", 3, 1);
     r.broadcast(5, 1, b"hello");
     r.send(5, 0, 2, b"you");
     assert_eq!((r.next_due_ms(2), r.poll(4, 2)), (Some(5), None));
@@ -49,7 +49,7 @@ fn a_perfect_link_brings_everything_at_once_and_in_order() {
     assert_eq!(drain(&mut r, 5, 2), [(5, 0, b"you".to_vec()), hello(1)]);
     assert_eq!(drain(&mut r, 5, 0), [hello(1)]);
     assert_eq!((drain(&mut r, 5, 1), r.in_flight()), (vec![], 0));
-    assert_eq!(r.counts(), Counts { sent: 3, delivered: 3, ..Counts::default() });
+    assert_eq!(r.counts(), DatagramCounts { sent: 3, delivered: 3, ..DatagramCounts::default() });
     assert_eq!(arrivals(&mut r, 100, 0), (0..100).collect::<Vec<_>>());
 }
 
@@ -57,7 +57,7 @@ fn a_perfect_link_brings_everything_at_once_and_in_order() {
 #[test]
 fn a_seed_has_its_own_exact_losses() {
     let lost = |text: &str| {
-        let mut r = radio(text, 2, 7);
+        let mut r = channel(text, 2, 7);
         let arrived = arrivals(&mut r, 40, 1);
         (0..40).filter(|k| !arrived.contains(k)).collect::<Vec<u32>>()
     };
@@ -72,7 +72,7 @@ fn losses_come_as_often_as_they_should_one_by_one_or_in_bursts() {
         [(0.1, None), (0.5, None), (0.1, Some(3.0)), (0.3, Some(1.43)), (0.3, Some(8.0)), (0.5, Some(2.0))]
     {
         let settings = RadioSettings { loss, burst, ..RadioSettings::default() };
-        let mut r = Radio::new(&settings, 2, 11).unwrap();
+        let mut r = RadioChannel::new(&settings, 2, 11).unwrap();
         let arrived = arrivals(&mut r, N, 1);
         let share = 1.0 - arrived.len() as f64 / f64::from(N);
         let lengths = bursts(&arrived, N);
@@ -87,20 +87,20 @@ fn losses_come_as_often_as_they_should_one_by_one_or_in_bursts() {
 
 #[test]
 fn jitter_is_uniform_and_lets_one_overtake_another() {
-    let mut r = radio("delay_ms=100,jitter_ms=9", 2, 3);
+    let mut r = channel("delay_ms=100,jitter_ms=9", 2, 3);
     for _ in 0..10_000 {
         r.send(1_000, 0, 1, b"x");
     }
-    let mut seen = [0u32; 10];
-    drain(&mut r, 2_000, 1).iter().for_each(|(due, _, _)| seen[(due - 1_100) as usize] += 1);
-    assert!(seen.iter().all(|s| s.abs_diff(1_000) < 150), "{seen:?}");
+    let mut counted = [0u32; 10];
+    drain(&mut r, 2_000, 1).iter().for_each(|(due, _, _)| counted[(due - 1_100) as usize] += 1);
+    assert!(counted.iter().all(|s| s.abs_diff(1_000) < 150), "{counted:?}");
     let order = arrivals(&mut r, 100, 1);
     assert!(!order.is_sorted() && order.len() == 100, "{order:?}");
 }
 
 #[test]
 fn a_datagram_held_back_comes_right_behind_the_next_one() {
-    let mut r = radio("reorder=1", 2, 3);
+    let mut r = channel("reorder=1", 2, 3);
     // At most one is held, so they come in swapped pairs; the last one has none behind it.
     assert_eq!(arrivals(&mut r, 7, 10), [1, 0, 3, 2, 5, 4]);
     assert_eq!((r.in_flight(), r.counts().held, r.next_due_ms(1)), (1, 4, None));
@@ -111,30 +111,30 @@ fn a_datagram_held_back_comes_right_behind_the_next_one() {
 
 #[test]
 fn a_range_ends_the_radio_where_both_places_are_known() {
-    let mut r = radio("range_u=34", 3, 3);
-    r.place(0, (100.0, 100.0));
-    r.place(1, (134.0, 100.0));
+    let mut r = channel("range_u=34", 3, 3);
+    r.set_position(0, (100.0, 100.0));
+    r.set_position(1, (134.0, 100.0));
     r.broadcast(0, 0, b"x");
-    r.place(1, (134.0, 100.1));
+    r.set_position(1, (134.0, 100.1));
     r.broadcast(0, 0, b"y");
-    let heard = |r: &mut Radio, to| drain(r, 0, to).into_iter().map(|(_, _, b)| b[0]).collect::<Vec<_>>();
-    assert_eq!((heard(&mut r, 1), heard(&mut r, 2)), (vec![b'x'], vec![b'x', b'y']));
+    let received = |r: &mut RadioChannel, to| drain(r, 0, to).into_iter().map(|(_, _, b)| b[0]).collect::<Vec<_>>();
+    assert_eq!((received(&mut r, 1), received(&mut r, 2)), (vec![b'x'], vec![b'x', b'y']));
     assert_eq!(r.counts().out_of_range, 1);
 }
 
 #[test]
-fn damage_flips_one_to_four_bits_of_a_copy() {
-    let mut r = radio("corrupt=1,duplicate=1", 2, 3);
+fn corruption_flips_one_to_four_bits_of_a_copy() {
+    let mut r = channel("corrupt=1,duplicate=1", 2, 3);
     let original = [0x5a; 27];
     (0..2_000).for_each(|_| r.send(0, 0, 1, &original));
-    let mut seen = BTreeMap::<u32, u32>::new();
+    let mut counted = BTreeMap::<u32, u32>::new();
     for (_, _, bytes) in drain(&mut r, 0, 1) {
         assert_eq!(bytes.len(), original.len());
         let flipped = bytes.iter().zip(&original).map(|(a, b)| (a ^ b).count_ones()).sum();
-        *seen.entry(flipped).or_default() += 1;
+        *counted.entry(flipped).or_default() += 1;
     }
-    assert_eq!(seen.keys().copied().collect::<Vec<_>>(), [1, 2, 3, 4]);
-    assert!(seen.values().all(|n| n.abs_diff(1_000) < 150), "{seen:?}");
+    assert_eq!(counted.keys().copied().collect::<Vec<_>>(), [1, 2, 3, 4]);
+    assert!(counted.values().all(|n| n.abs_diff(1_000) < 150), "{counted:?}");
     assert_eq!(r.counts().corrupted, 4_000);
     // Nothing to flip, and fewer bits than flips.
     r.send(0, 0, 1, b"");
@@ -142,8 +142,8 @@ fn damage_flips_one_to_four_bits_of_a_copy() {
 }
 
 #[test]
-fn a_link_that_cannot_be_is_refused() {
-    let refused = |settings: &RadioSettings, nodes| Radio::new(settings, nodes, 0).unwrap_err();
+fn settings_out_of_range_are_refused() {
+    let refused = |settings: &RadioSettings, nodes| RadioChannel::new(settings, nodes, 0).unwrap_err();
     let default = RadioSettings::default();
     assert_eq!(refused(&default, 0), RadioError::Nodes(0));
     assert_eq!(refused(&default, MAX_NODES + 1), RadioError::Nodes(MAX_NODES + 1));
@@ -151,7 +151,7 @@ fn a_link_that_cannot_be_is_refused() {
     assert_eq!(refused(&bad, 2), RadioError::Share { key: "loss", value: 1.1 });
 }
 
-fn any_link() -> impl Strategy<Value = RadioSettings> {
+fn any_settings() -> impl Strategy<Value = RadioSettings> {
     let share = || prop_oneof![Just(0.0), 0.0f64..=1.0];
     let burst = prop::option::of(0.0f64..20.0);
     (share(), burst, 0u32..3_000, 0u32..3_000, share(), share(), share(), prop::option::of(1.0f32..200.0)).prop_map(
@@ -171,12 +171,12 @@ fn traffic() -> impl Strategy<Value = Vec<(usize, usize, u64, u8)>> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(100))]
 
-    /// Each datagram is accounted for, none comes early, none to another, and each is whole
-    /// where nothing damages it.
+    /// Each datagram is accounted for, none comes early, none to another, and each is intact
+    /// where nothing corrupts it.
     #[test]
-    fn what_is_sent_arrives_is_lost_or_is_on_its_way(settings in any_link(), seed: u64, traffic in traffic()) {
-        let mut r = Radio::new(&settings, 5, seed).unwrap();
-        (0..5).for_each(|i| r.place(i, (40.0 * i as f32, 0.0)));
+    fn what_is_sent_arrives_is_lost_or_is_on_its_way(settings in any_settings(), seed: u64, traffic in traffic()) {
+        let mut r = RadioChannel::new(&settings, 5, seed).unwrap();
+        (0..5).for_each(|i| r.set_position(i, (40.0 * i as f32, 0.0)));
         let (mut now, mut arrived) = (0, 0);
         let mut sent = Vec::new();
         for (k, &(from, to, gap, fill)) in traffic.iter().enumerate() {
@@ -213,50 +213,49 @@ proptest! {
         }
     }
 
-    /// The nodes may have their turns in any order: as long as each sends the same, each hears
-    /// the same.
+    /// The order in which nodes are simulated does not matter: as long as each sends the same, each receives the same.
     #[test]
-    fn the_order_of_turns_does_not_show(settings in any_link(), seed: u64, rounds in 1u64..20) {
+    fn the_order_of_turns_does_not_show(settings in any_settings(), seed: u64, rounds in 1u64..20) {
         let play = |order: [usize; 5]| {
-            let mut r = Radio::new(&settings, 5, seed).unwrap();
-            (0..5).for_each(|i| r.place(i, (40.0 * i as f32, 0.0)));
-            let mut heard: [Vec<_>; 5] = Default::default();
+            let mut r = RadioChannel::new(&settings, 5, seed).unwrap();
+            (0..5).for_each(|i| r.set_position(i, (40.0 * i as f32, 0.0)));
+            let mut received: [Vec<_>; 5] = Default::default();
             for round in 0..rounds {
                 order.iter().for_each(|&i| r.broadcast(500 * round, i, &[i as u8, round as u8]));
-                order.iter().for_each(|&i| heard[i].extend(drain(&mut r, 500 * round + 200, i)));
+                order.iter().for_each(|&i| received[i].extend(drain(&mut r, 500 * round + 200, i)));
             }
-            (heard, r.counts(), r.in_flight())
+            (received, r.counts(), r.in_flight())
         };
         prop_assert_eq!(play([0, 1, 2, 3, 4]), play([3, 0, 4, 2, 1]));
     }
 
-    /// A link that is reset is as good as new.
+    /// A channel that is reset behaves as a new one.
     #[test]
-    fn a_reset_leaves_nothing(settings in any_link(), (one, other) in (any::<u64>(), any::<u64>())) {
-        let mut used = Radio::new(&settings, 2, one).unwrap();
-        used.place(0, (0.0, 0.0));
-        used.place(1, (500.0, 0.0));
+    fn a_reset_leaves_nothing(settings in any_settings(), (one, other) in (any::<u64>(), any::<u64>())) {
+        let mut used = RadioChannel::new(&settings, 2, one).unwrap();
+        used.set_position(0, (0.0, 0.0));
+        used.set_position(1, (500.0, 0.0));
         arrivals(&mut used, 50, 3);
         used.reset(other);
-        let mut new = Radio::new(&settings, 2, other).unwrap();
+        let mut new = RadioChannel::new(&settings, 2, other).unwrap();
         prop_assert_eq!(arrivals_raw(&mut used), arrivals_raw(&mut new));
         prop_assert_eq!((used.counts(), used.in_flight()), (new.counts(), new.in_flight()));
     }
 
-    /// What else a link does never changes which datagrams it loses.
+    /// What else the channel does never changes which datagrams it loses.
     #[test]
-    fn losses_are_the_same_whatever_else_happens(settings in any_link(), seed: u64) {
+    fn losses_are_the_same_whatever_else_happens(settings in any_settings(), seed: u64) {
         let only = RadioSettings { loss: settings.loss, burst: settings.burst, ..RadioSettings::default() };
         let lost = |settings: &RadioSettings| {
-            let mut r = Radio::new(settings, 2, seed).unwrap();
-            let lost_now = |r: &mut Radio| { r.send(0, 0, 1, b"abc"); r.counts().lost };
+            let mut r = RadioChannel::new(settings, 2, seed).unwrap();
+            let lost_now = |r: &mut RadioChannel| { r.send(0, 0, 1, b"abc"); r.counts().lost };
             (0..60).map(|_| lost_now(&mut r)).collect::<Vec<_>>()
         };
         prop_assert_eq!(lost(&settings), lost(&only));
     }
 }
 
-fn arrivals_raw(radio: &mut Radio) -> Vec<(u64, usize, Vec<u8>)> {
-    (0..50u32).for_each(|k| radio.send(u64::from(k) * 3, 0, 1, &k.to_le_bytes()));
-    drain(radio, u64::MAX, 1)
+fn arrivals_raw(channel: &mut RadioChannel) -> Vec<(u64, usize, Vec<u8>)> {
+    (0..50u32).for_each(|k| channel.send(u64::from(k) * 3, 0, 1, &k.to_le_bytes()));
+    drain(channel, u64::MAX, 1)
 }

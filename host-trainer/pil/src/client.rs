@@ -1,14 +1,13 @@
-//! The requests, with the types of a host.
+//! The client: one method for each request of the protocol.
 
-use crate::PilError;
+use crate::answers::{BoardReport, HearOutcome, Observed};
+use crate::convert::{board, decided, heard, in_view, observe_request, observed, read};
+use crate::error::PilError;
 use crate::exchange::{Exchange, Options, name};
-use crate::records::{board, decided, heard, in_view, observe_request, observed, read};
 use firmware_core::geometry::{State, Vec2};
 use firmware_core::message::{MAX_LEN, Message};
-use firmware_core::neighbour_table::{MessageOutcome, Moment};
-use firmware_core::pil::{
-    ActorError, ActorInfo, Decided, Hear, MAX_CASES, Reply, Report, Request, RequestError, Setup, Status,
-};
+use firmware_core::neighbour_table::Moment;
+use firmware_core::pil::{Decided, Hear, MAX_CASES, RequestError, Reply, Request, Setup, Status};
 use std::io::{Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::Duration;
@@ -16,52 +15,17 @@ use std::time::Duration;
 /// How long a read of a socket blocks; deadlines are kept to about this.
 const TICK: Duration = Duration::from_millis(10);
 
-/// What a board said about itself.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Board {
-    /// Version of its firmware.
-    pub software: String,
-    /// Its actor, or why it has none that may fly.
-    pub actor: Result<ActorInfo, ActorError>,
-}
-
-impl From<Report<'_>> for Board {
-    fn from(r: Report<'_>) -> Self {
-        Self { software: r.software.to_owned(), actor: r.actor }
-    }
-}
-
-/// What became of a neighbour's message.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Heard {
-    /// What became of the message. [`MessageOutcome::Repeated`] may mean that the first attempt's answer was lost.
-    pub outcome: MessageOutcome,
-    /// UAVs in the table now.
-    pub kept: u8,
-}
-
-/// An observed step.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Observed {
-    /// Neighbours in view and the UAV itself, 1 to 17.
-    pub degree: u8,
-    /// The UAV's tie-breaker of the step.
-    pub tie: i8,
-    /// The feature message to broadcast; empty when the policy broadcasts none.
-    pub message: Vec<u8>,
-}
-
-/// The host's end of the PIL protocol.
+/// The host's end of the PIL protocol, over the stream `S` to one board.
 #[derive(Debug)]
 pub struct Client<S> {
     pub(crate) exchange: Exchange<S>,
 }
 
 impl Client<TcpStream> {
-    /// Over TCP, as an emulator's serial port offers it.
+    /// Connects over TCP, for example to the serial port of an emulator.
     ///
     /// # Errors
-    /// [`PilError::Io`] when nobody listens there.
+    /// [`PilError::Io`] when nothing listens there.
     pub fn tcp(address: impl ToSocketAddrs, options: Options) -> Result<Self, PilError> {
         let stream = TcpStream::connect(address)?;
         stream.set_nodelay(true)?;
@@ -73,10 +37,10 @@ impl Client<TcpStream> {
 
 #[cfg(unix)]
 impl Client<std::os::unix::net::UnixStream> {
-    /// Over a Unix socket.
+    /// Connects over a Unix socket.
     ///
     /// # Errors
-    /// [`PilError::Io`] when nobody listens there.
+    /// [`PilError::Io`] when nothing listens there.
     pub fn unix(path: impl AsRef<std::path::Path>, options: Options) -> Result<Self, PilError> {
         let stream = std::os::unix::net::UnixStream::connect(path)?;
         stream.set_read_timeout(Some(TICK))?;
@@ -86,69 +50,69 @@ impl Client<std::os::unix::net::UnixStream> {
 }
 
 impl<S: Read + Write> Client<S> {
-    /// Over any stream, for example an open serial port. A read must give up by itself
-    /// (`WouldBlock` or `TimedOut`) when nothing comes, or no time-out can be kept.
+    /// A client over any stream, for example an open serial port. Its reads must return by themselves (`WouldBlock` or
+    /// `TimedOut`) when nothing arrives; otherwise time-outs cannot be kept.
     pub const fn new(stream: S, options: Options) -> Self {
         Self { exchange: Exchange::new(stream, options) }
     }
 
-    /// The stream.
+    /// The stream to the board.
     pub const fn stream(&self) -> &S {
         self.exchange.stream()
     }
 
-    /// How patient the client is.
+    /// Time-out and attempts of a request.
     pub const fn options(&self) -> Options {
         self.exchange.options()
     }
 
-    /// Makes the client more or less patient.
+    /// Changes time-out and attempts of a request.
     pub const fn set_options(&mut self, options: Options) {
         self.exchange.set_options(options);
     }
 
-    /// Frames of the board that came damaged so far.
+    /// Number of frames of the board that arrived corrupted so far.
     pub const fn dropped(&self) -> u64 {
         self.exchange.dropped()
     }
 
-    /// What the board said about itself unasked since the last call: it has (re)started.
-    pub fn restarted(&mut self) -> Option<Board> {
+    /// The report that the board sent by itself since the last call: it has started, or restarted.
+    pub fn restarted(&mut self) -> Option<BoardReport> {
         match postcard::from_bytes(&self.exchange.take_unasked()?) {
             Ok(Reply::Report(report)) => Some(report.into()),
             _ => None,
         }
     }
 
-    /// Tells the board whom it flies for; its neighbour table starts empty.
+    /// Sets the board up as one UAV of a swarm; its neighbour table starts empty. The first request of a flight.
     ///
     /// # Errors
     /// See [`PilError`]; [`RequestError::Actor`] when the board has no sound actor.
-    pub fn hello(&mut self, setup: Setup) -> Result<Board, PilError> {
+    pub fn hello(&mut self, setup: Setup) -> Result<BoardReport, PilError> {
         self.ask(&Request::Hello(setup), board)
     }
 
-    /// Runs the self-test again.
+    /// Lets the board run its self-test again.
     ///
     /// # Errors
     /// As [`Self::hello`].
-    pub fn self_test(&mut self) -> Result<Board, PilError> {
+    pub fn self_test(&mut self) -> Result<BoardReport, PilError> {
         self.ask(&Request::SelfTest, board)
     }
 
-    /// Passes on a neighbour's message heard at `now` at `own_position` (ticks).
+    /// Passes on a neighbour's message that was received at `now`, with the UAV's own position (ticks) at that time.
     ///
     /// # Errors
     /// See [`PilError`].
-    pub fn hear(&mut self, now: Moment, own_position: Vec2, message: &Message) -> Result<Heard, PilError> {
+    pub fn hear(&mut self, now: Moment, own_position: Vec2, message: &Message) -> Result<HearOutcome, PilError> {
         self.hear_bytes(now, own_position, message.encode(&mut [0; MAX_LEN]))
     }
 
-    /// Passes on what may be a neighbour's message.
+    /// Passes on bytes that may be a neighbour's message; otherwise [`Self::hear`].
     ///
     /// # Errors
-    /// See [`PilError`]; [`RequestError::Message`] when it is none.
-    pub fn hear_bytes(&mut self, now: Moment, own_position: Vec2, message: &[u8]) -> Result<Heard, PilError> {
+    /// See [`PilError`]; [`RequestError::Message`] when they are no message.
+    pub fn hear_bytes(&mut self, now: Moment, own_position: Vec2, message: &[u8]) -> Result<HearOutcome, PilError> {
         if message.len() > MAX_LEN {
             return Err(PilError::Refused(RequestError::Message));
         }
@@ -156,8 +120,8 @@ impl<S: Read + Write> Client<S> {
         self.ask(&Request::Hear(Hear { now, position, message }), heard)
     }
 
-    /// Lets the board observe and encode the step `now` from its own state and the PoIs
-    /// (positions, ticks; those out of view are left out).
+    /// Lets the board observe and encode the step `now` from its own state and the PoIs (positions in ticks; those out
+    /// of view are left out). Call it after the beacons of the step.
     ///
     /// # Errors
     /// See [`PilError`]; [`PilError::TooManyPois`] when more than [`firmware_core::pil::MAX_POIS`] are in view.
@@ -171,7 +135,7 @@ impl<S: Read + Write> Client<S> {
         self.ask(&observe_request(now, own, &pois), |reply| observed(now.step, reply))
     }
 
-    /// Lets the board decide the step that it observed last.
+    /// Lets the board decide on the action of the step that it observed last. Call it after the features of the step.
     ///
     /// # Errors
     /// See [`PilError`]; [`RequestError::NotObserved`] when that was another step.
@@ -179,7 +143,7 @@ impl<S: Read + Write> Client<S> {
         self.ask(&Request::Decide { step }, |reply| decided(step, reply))
     }
 
-    /// How the board and the line are.
+    /// Counters of the board and of the line to it.
     ///
     /// # Errors
     /// See [`PilError`].
@@ -190,13 +154,13 @@ impl<S: Read + Write> Client<S> {
         })
     }
 
-    /// The signature of the board's actor over its first `cases` neighbourhoods (see
-    /// [`firmware_core::actor::fingerprint`]), asked for `chunk` cases at a time so that a slow
-    /// board answers within the time-out. `progress` hears how many are done.
+    /// The fingerprint of the board's actor over its first `cases` neighbourhoods (see
+    /// [`firmware_core::actor::fingerprint`]), computed `chunk` cases at a time so that a slow board answers within the
+    /// time-out. `progress` is called with the number of cases done.
     ///
     /// # Errors
-    /// See [`PilError`]; [`PilError::LostCount`] when the board restarted on the way.
-    pub fn signature(&mut self, cases: u32, chunk: u16, mut progress: impl FnMut(u32)) -> Result<u64, PilError> {
+    /// See [`PilError`]; [`PilError::LostCount`] when the board restarted meanwhile.
+    pub fn fingerprint(&mut self, cases: u32, chunk: u16, mut progress: impl FnMut(u32)) -> Result<u64, PilError> {
         let chunk = chunk.clamp(1, MAX_CASES);
         let mut from = 0;
         loop {
@@ -206,7 +170,7 @@ impl<S: Read + Write> Client<S> {
                 Reply::Signature { cases, value } => Some(Ok((cases, value))),
                 _ => None,
             })?;
-            // A second attempt after a lost answer finds the cases added: the same count.
+            // A repeated request after a lost answer adds no cases, so the count is the same.
             if done != from + u32::from(add) {
                 return Err(PilError::LostCount(done));
             }
@@ -218,7 +182,7 @@ impl<S: Read + Write> Client<S> {
         }
     }
 
-    /// Asks, and makes of the answer what `pick` does.
+    /// Sends a request and converts its answer with `pick`.
     fn ask<T>(
         &mut self,
         request: &Request<'_>,

@@ -1,24 +1,22 @@
-//! Requests and their answers as bytes, with time-outs and further attempts.
+//! Requests and answers as frames on a stream, with time-outs and repetition.
 
-use crate::PilError;
-use firmware_core::pil::{
-    Deframer, FrameError, MAX_REPLY, MAX_REQUEST, Request, UNASKED, decode_frame, encode_frame, frame_len,
-};
+use crate::error::PilError;
+use firmware_core::pil::{Deframer, FrameError, MAX_REPLY, MAX_REQUEST, Request, UNASKED, frame_len, encode_frame, decode_frame};
 use std::collections::VecDeque;
 use std::io::{Error, ErrorKind, Read, Write};
 use std::time::{Duration, Instant};
 
-/// How patient a client is.
+/// Time-out and attempts of a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
-    /// How long to wait for an answer. Zero: until the stream has nothing more to read.
+    /// How long to wait for an answer. Zero waits only until the stream has nothing more to read.
     pub timeout: Duration,
-    /// How often to ask, at least once.
+    /// How often a request is sent before it fails, at least once.
     pub attempts: u32,
 }
 
 impl Default for Options {
-    /// Three times half a second.
+    /// Three attempts of half a second each.
     fn default() -> Self {
         Self { timeout: Duration::from_millis(500), attempts: 3 }
     }
@@ -27,8 +25,8 @@ impl Default for Options {
 /// Version, tag, record and checksum.
 const CONTENT: usize = MAX_REPLY + 4;
 
-/// Requests that may be under way together. They and their answers fit into the buffers of a
-/// socket, so that neither end waits for the other to read; and fewer than there are tags.
+/// Most requests that wait for their answers at once. They and their answers fit into the buffers of a socket, so that
+/// neither end blocks until the other reads; and they are fewer than there are tags.
 const WINDOW: usize = 32;
 
 /// A request's name in errors.
@@ -40,7 +38,7 @@ pub(crate) const fn name(request: &Request<'_>) -> &'static str {
         Request::Decide { .. } => "decide",
         Request::Status => "status",
         Request::SelfTest => "self-test",
-        Request::Sign { .. } => "signature",
+        Request::Sign { .. } => "fingerprint",
     }
 }
 
@@ -50,10 +48,10 @@ pub(crate) struct Exchange<S> {
     stream: S,
     options: Options,
     deframer: Deframer<CONTENT>,
-    /// Bytes read but not looked at.
+    /// Bytes read but not decoded yet.
     pending: VecDeque<u8>,
     tag: u8,
-    /// The last record that came unasked.
+    /// The last record that the board sent by itself.
     unasked: Option<Vec<u8>>,
     dropped: u64,
 }
@@ -89,7 +87,7 @@ impl<S: Read + Write> Exchange<S> {
         self.options
     }
 
-    /// Frames of the board that came damaged.
+    /// Number of frames of the board that arrived corrupted.
     pub(crate) const fn dropped(&self) -> u64 {
         self.dropped
     }
@@ -99,13 +97,13 @@ impl<S: Read + Write> Exchange<S> {
         self.unasked.take()
     }
 
-    /// Asks until there is an answer, and returns its record.
+    /// Sends a request until it is answered; returns the answer's record.
     pub(crate) fn ask(&mut self, request: &Request<'_>) -> Result<Vec<u8>, PilError> {
         Ok(self.ask_all(std::slice::from_ref(request))?.swap_remove(0))
     }
 
-    /// Asks all of these without waiting, until each has its answer, and returns their records.
-    /// More than one only where the line holds back what the board has not read; see [`WINDOW`].
+    /// Sends all requests without waiting in between, until each is answered; returns the answers' records. More than
+    /// one request needs a line with flow control; see [`WINDOW`].
     pub(crate) fn ask_all(&mut self, requests: &[Request<'_>]) -> Result<Vec<Vec<u8>>, PilError> {
         let mut records = Vec::with_capacity(requests.len());
         for window in requests.chunks(WINDOW) {
@@ -114,8 +112,8 @@ impl<S: Read + Write> Exchange<S> {
         Ok(records)
     }
 
-    /// All in one go; where an answer is lost, in two halves, one after the other: on a bad line
-    /// a long window would hardly ever come through whole.
+    /// Sends a window of requests at once. Where an answer is lost, the window is split in two, since on a bad line a
+    /// long one would hardly ever succeed as a whole.
     fn ask_window(&mut self, requests: &[Request<'_>]) -> Result<Vec<Vec<u8>>, PilError> {
         let alone = requests.len() <= 1;
         let attempts = if alone { self.options.attempts.max(1) } else { 1 };
@@ -134,16 +132,16 @@ impl<S: Read + Write> Exchange<S> {
         Ok(records)
     }
 
-    /// Asks once; returns the records up to the first that did not come.
+    /// Sends the requests once; returns the records up to the first that is missing.
     fn attempt(&mut self, requests: &[Request<'_>]) -> Result<Vec<Vec<u8>>, PilError> {
         let tags = self.send(requests)?;
         let mut records = Vec::with_capacity(requests.len());
         let timeout = self.options.timeout;
         let deadline = (!timeout.is_zero()).then(|| Instant::now() + timeout);
-        // Answers to earlier attempts may still come; they are passed over.
+        // Answers to earlier attempts may still arrive; they are ignored.
         while records.len() < requests.len() {
             let Some(frame) = self.receive(deadline)? else { break };
-            // The board answers in order: behind a lost answer no later one counts.
+            // The board answers in order: after a lost answer no later one counts.
             if tags.get(records.len()) == Some(&frame.tag) {
                 records.push(frame.record);
             } else if frame.tag == UNASKED {
@@ -160,9 +158,7 @@ impl<S: Read + Write> Exchange<S> {
             self.tag = if self.tag == u8::MAX { UNASKED + 1 } else { self.tag + 1 };
             tags.push(self.tag);
             let mut buffer = [0; frame_len(MAX_REQUEST)];
-            bytes.extend_from_slice(
-                encode_frame(self.tag, request, &mut buffer).ok_or(Error::from(ErrorKind::InvalidInput))?,
-            );
+            bytes.extend_from_slice(encode_frame(self.tag, request, &mut buffer).ok_or(Error::from(ErrorKind::InvalidInput))?);
         }
         self.stream.write_all(&bytes)?;
         self.stream.flush()?;
@@ -187,7 +183,7 @@ impl<S: Read + Write> Exchange<S> {
                     Err(_) => self.dropped += 1,
                 }
             }
-            // A line that babbles without end does not outlast the deadline either.
+            // A line that never falls silent does not outlast the deadline either.
             let more = self.fill()?;
             if deadline.map_or(!more, |d| Instant::now() >= d) {
                 return Ok(None);

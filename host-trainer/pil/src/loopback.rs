@@ -1,22 +1,22 @@
-//! A board in this process.
+//! A simulated board.
 
-use crate::Options;
+use crate::exchange::Options;
 use firmware_core::pil::Server;
 use std::collections::VecDeque;
 use std::io::{Error, ErrorKind, Read, Result, Write};
 use std::time::Duration;
 
-/// A board in this process, as a stream that never blocks: what a real board is compared with.
+/// A board in this process, as a stream that never blocks: for tests, and as the reference for a real board.
 pub struct Loopback<'a> {
     board: Server<'a>,
     answers: VecDeque<u8>,
 }
 
 impl<'a> Loopback<'a> {
-    /// For a client of it: it answers at once or never.
+    /// Options for its client: it answers at once or never.
     pub const OPTIONS: Options = Options { timeout: Duration::ZERO, attempts: 1 };
 
-    /// Starts the board with this actor file.
+    /// Starts the board with the bytes of an actor file.
     #[must_use]
     pub fn new(file: &'a [u8]) -> Self {
         let mut board = Server::new();

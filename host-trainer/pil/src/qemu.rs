@@ -1,6 +1,7 @@
-//! The flight program on QEMU's Cortex-M boards, with its serial line on a socket.
+//! The flight program on QEMU's Cortex-M boards, with its serial line on a Unix socket.
 
-use crate::{Client, Options};
+use crate::client::Client;
+use crate::exchange::Options;
 use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
@@ -11,7 +12,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// The emulator.
+/// Name of the emulator's program.
 pub const PROGRAM: &str = "qemu-system-arm";
 /// Where the image for QEMU looks for its actor file; see its memory map.
 const ACTOR_ADDRESS: &str = "0x00200000";
@@ -19,7 +20,7 @@ const ACTOR_ADDRESS: &str = "0x00200000";
 const START_LIMIT: Duration = Duration::from_secs(30);
 /// How long one read of the line blocks.
 const READ_LIMIT: Duration = Duration::from_millis(10);
-/// What a read lets gather first. QEMU sends every byte by itself, and to wake for each takes
+/// How long a read lets bytes gather first. QEMU sends every byte by itself, and to wake for each takes
 /// processor time from the board: a third of its speed on two cores.
 const GATHER: Duration = Duration::from_micros(300);
 
@@ -33,7 +34,7 @@ pub enum Machine {
 }
 
 impl Machine {
-    /// QEMU's name of it.
+    /// QEMU's name of the board.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -61,10 +62,10 @@ impl Machine {
 /// Why QEMU does not run.
 #[derive(Debug, thiserror::Error)]
 pub enum QemuError {
-    /// It is not there, or must not be run.
+    /// The program is missing or may not be run.
     #[error("cannot start {PROGRAM}: {0}; `cargo xtask setup` installs it")]
     Start(io::Error),
-    /// It ended, and said this.
+    /// It ended at once with this output.
     #[error("{PROGRAM} ended at once: {0}")]
     Ended(String),
     /// A file for it could not be written.
@@ -72,7 +73,7 @@ pub enum QemuError {
     File {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// What the operating system reported.
         cause: io::Error,
     },
 }
@@ -84,7 +85,7 @@ impl QemuError {
     }
 }
 
-/// A running QEMU; it ends with this value.
+/// A running QEMU; dropping it ends the process.
 #[derive(Debug)]
 pub struct Qemu {
     process: Child,
@@ -93,11 +94,11 @@ pub struct Qemu {
 }
 
 impl Qemu {
-    /// Starts the program `image` with this actor file in its flash. It begins to run when its
-    /// line is connected, so that nothing it says is lost.
+    /// Starts the program `image` with the bytes of an actor file in its flash. It begins to run once its serial line
+    /// is connected, so that nothing it sends is lost.
     ///
     /// # Errors
-    /// QEMU does not start.
+    /// [`QemuError`] when QEMU does not start.
     pub fn start(machine: Machine, image: &Path, actor: Option<&[u8]>) -> Result<Self, QemuError> {
         let folder = Folder::new()?;
         let actor = actor.map(|bytes| folder.write("actor", bytes)).transpose()?;
@@ -122,7 +123,7 @@ impl Qemu {
         }
     }
 
-    /// The host's end of the link.
+    /// A client for the board's serial line.
     ///
     /// # Errors
     /// The system has no more sockets.
@@ -130,7 +131,7 @@ impl Qemu {
         Ok(Client::new(Line(self.line.try_clone().map_err(QemuError::file(&self.folder.0))?), options))
     }
 
-    /// Puts bytes on the line.
+    /// Writes bytes to the serial line.
     ///
     /// # Errors
     /// QEMU has ended.
@@ -144,7 +145,7 @@ impl Qemu {
         self.folder.0.join("monitor")
     }
 
-    /// A folder that ends with this value.
+    /// A temporary folder that is removed when this value is dropped.
     #[must_use]
     pub fn folder(&self) -> &Path {
         &self.folder.0
@@ -178,13 +179,13 @@ impl Write for Line {
     }
 }
 
-/// It may have ended by itself, which is as good.
+/// Ends the process; it may have ended by itself.
 fn end(process: &mut Child) {
     let _ = process.kill();
     let _ = process.wait();
 }
 
-/// A folder with a short name, as a socket's path must be short; removed with this value.
+/// A temporary folder with a short name, since the path of a socket must be short; removed on drop.
 #[derive(Debug)]
 struct Folder(PathBuf);
 
@@ -206,7 +207,7 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // A folder left behind does no harm.
+        // A folder that stays behind does no harm.
         let _ = fs::remove_dir_all(&self.0);
     }
 }

@@ -6,7 +6,7 @@ mod common;
 mod pipe;
 
 use common::sample_actor;
-use covey_pil::{Client, Options, PilError, Turn};
+use covey_pil::{Client, Options, PilError, UavStep};
 use firmware_core::action::{ACTIONS, Action};
 use firmware_core::actor::{Actor, Aggregation, Logits, Mode, fingerprint};
 use firmware_core::geometry::{State, TICKS_PER_U, Vec2};
@@ -77,8 +77,7 @@ fn messages(step: u32, draws: &[(i32, i32, i8)], actor: &Actor<'_>) -> (Vec<Mess
         let header = Header { id, sequence: step as u16, step };
         let state = State { position: Vec2 { x: 100_000 + x, y: 100_000 + y }, velocity: Vec2 { x: y / 8, y: x / 8 } };
         let values = vec![r & 127; width];
-        let feature =
-            FeatureMessage::new(header, 1 + (id % 17) as u8, actor.message_hash(), i16::from(r), &values).unwrap();
+        let feature = FeatureMessage::new(header, 1 + (id % 17) as u8, actor.message_hash(), i16::from(r), &values).unwrap();
         (Message::Beacon(Beacon::new(header, time_ms, state, r)), Message::Feature(feature))
     });
     both.unzip()
@@ -142,23 +141,23 @@ proptest! {
     }
 
     #[test]
-    fn one_board_plays_a_swarm(
-        kind in kind(), turns in prop::collection::vec((0..9u16, draws()), 1..4), pois in pois(),
+    fn one_board_takes_the_place_of_a_swarm(
+        kind in kind(), steps in prop::collection::vec((0..9u16, draws()), 1..4), pois in pois(),
         seed: u64, each in 0..60u16,
     ) {
         let file = sample_actor(kind, 5);
         let actor = Actor::load(&file).unwrap();
         let mut board = client(&file, Line::bad(seed, each), STUBBORN);
         let own = State { position: Vec2 { x: 100_000, y: 100_000 }, velocity: Vec2 { x: 300, y: -700 } };
-        for (step, (id, draws)) in (5..).zip(turns) {
+        for (step, (id, draws)) in (5..).zip(steps) {
             // Nothing of the UAV before is left.
             let setup = Setup { id, ..SETUP };
             let now = Moment { step, time_ms: step * 2000 };
             let (beacons, features) = messages(step, &draws, &actor);
             let (message, logits, action, used) =
                 Home::new(actor, setup).step(now, own, &pois, &beacons, &features);
-            let turn = Turn { setup, now, own, beacons: &beacons, pois: &pois, features: &features };
-            let (observed, decided) = board.take_turn(&turn).unwrap();
+            let step = UavStep { setup, now, own, beacons: &beacons, pois: &pois, features: &features };
+            let (observed, decided) = board.fly_step(&step).unwrap();
             prop_assert_eq!(Message::decode(&observed.message).ok(), message);
             prop_assert_eq!((decided.logits, decided.action), (logits, action.index()));
             prop_assert_eq!(usize::from(decided.features), used);
@@ -176,17 +175,17 @@ proptest! {
 }
 
 #[test]
-fn signatures_agree_in_any_chunks() {
+fn fingerprints_agree_in_any_chunks() {
     let file = sample_actor(Aggregation::Gat, 2);
     let expected = fingerprint(&Actor::load(&file).unwrap(), 60);
     for chunk in [1, 7, 60, 1000] {
-        let mut heard = 0;
+        let mut counted = 0;
         let mut board = client(&file, Line::perfect(), AT_ONCE);
-        assert_eq!(board.signature(60, chunk, |done| heard = done).unwrap(), expected);
-        assert_eq!(heard, 60);
+        assert_eq!(board.fingerprint(60, chunk, |done| counted = done).unwrap(), expected);
+        assert_eq!(counted, 60);
     }
     let mut far = client(&file, Line::bad(4, 300), STUBBORN);
-    assert_eq!(far.signature(60, 5, |_| ()).unwrap(), expected);
+    assert_eq!(far.fingerprint(60, 5, |_| ()).unwrap(), expected);
     assert!(far.dropped() > 0);
 }
 
@@ -291,8 +290,8 @@ fn bytes_that_are_no_message_are_refused() {
         assert!(matches!(refused, Err(PilError::Refused(RequestError::Message))), "{refused:?}");
     }
     let own = Message::Beacon(Beacon::new(Header::default(), 0, State::default(), 0));
-    let heard = board.hear(Moment::default(), Vec2::default(), &own).unwrap();
-    assert_eq!((heard.outcome, heard.kept), (MessageOutcome::OwnId, 0));
+    let outcome = board.hear(Moment::default(), Vec2::default(), &own).unwrap();
+    assert_eq!((outcome.outcome, outcome.kept), (MessageOutcome::OwnId, 0));
 }
 
 #[test]

@@ -1,8 +1,7 @@
-//! How far a run is: a bar on a terminal, plain lines in a log file, or nothing.
+//! Progress of a run: a bar on a terminal, plain lines in a log file, or nothing.
 //!
-//! Everything goes to standard error, so that standard output stays free for
-//! results. An output that fails (a closed pipe, say) is ignored on purpose: hours of
-//! training must not end because nobody listens.
+//! Everything goes to standard error, so that standard output stays free for results. Errors of that output (a closed
+//! pipe, for example) are ignored on purpose: a training of hours must not fail because its progress cannot be shown.
 
 use std::fmt;
 use std::io::{self, IsTerminal, Write};
@@ -22,7 +21,7 @@ pub enum Mode {
         /// At least 1.
         every_percent: u32,
     },
-    /// Nothing but errors, which callers print themselves.
+    /// Nothing; callers print errors themselves.
     Quiet,
 }
 
@@ -39,7 +38,7 @@ impl Mode {
     }
 }
 
-/// How the run stands.
+/// The state of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Status {
     /// Episodes done, counted from the start of the run, not of this process.
@@ -71,7 +70,7 @@ enum Sink {
 }
 
 impl Progress {
-    /// Of a run of `total` episodes.
+    /// The progress of a run of `total` episodes.
     #[must_use]
     pub fn new(mode: Mode, total: u64) -> Self {
         match mode {
@@ -81,7 +80,7 @@ impl Progress {
         }
     }
 
-    /// Plain lines into a writer of the caller's.
+    /// Plain lines, written to `out`.
     #[must_use]
     pub fn plain(out: Box<dyn Write + Send>, every_percent: u32, total: u64) -> Self {
         let sink = Sink::Plain { every_percent: u64::from(every_percent.max(1)), out };
@@ -96,8 +95,8 @@ impl Progress {
         Self { sink: Sink::Bar(bar), total, first: 0, shown: None }
     }
 
-    /// The run goes on after `episodes` earlier ones: they count as done, but not
-    /// towards the pace from which the time left is told.
+    /// For a run that is resumed after `episodes` episodes: they count as done, but not in the rate from which the time
+    /// left is estimated.
     #[must_use]
     pub fn resumed_at(mut self, episodes: u64) -> Self {
         self.first = episodes;
@@ -107,7 +106,7 @@ impl Progress {
         self
     }
 
-    /// Shows where the run stands (plain lines: when a line is due).
+    /// Shows the state of the run; in plain mode only when a line is due.
     pub fn update(&mut self, status: &Status) {
         let left = self.time_left(status);
         match &mut self.sink {
@@ -130,7 +129,7 @@ impl Progress {
         }
     }
 
-    /// Says something worth a line of its own: a checkpoint, a warning.
+    /// Shows a message on a line of its own: a checkpoint, a warning.
     pub fn line(&mut self, message: &str) {
         match &mut self.sink {
             Sink::Bar(bar) => bar.println(message),
@@ -141,7 +140,7 @@ impl Progress {
         }
     }
 
-    /// Leaves the display as it stands.
+    /// Ends the display and leaves it as it is.
     pub fn finish(&mut self) {
         match &mut self.sink {
             Sink::Bar(bar) => bar.abandon(),
@@ -170,7 +169,7 @@ fn percent(done: u64, total: u64) -> u64 {
     done.min(total).saturating_mul(100).checked_div(total).unwrap_or(100)
 }
 
-/// The part that the bar and the lines share.
+/// The part that the bar and the plain lines share.
 struct Details<'a> {
     status: &'a Status,
     left: Option<Duration>,

@@ -20,11 +20,11 @@ use std::path::{Path, PathBuf};
 
 use crc::{CRC_32_ISCSI, Crc};
 
-use crate::atomic::advice;
+use crate::io_advice::advice;
 
 const CASTAGNOLI: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
 
-/// Begins the name of every event file; TensorBoard reads them in order of name.
+/// The beginning of the name of every event file; TensorBoard reads them in the order of their names.
 const PREFIX: &str = "events.out.tfevents.";
 
 /// An event file could not be written.
@@ -35,7 +35,7 @@ pub struct EventError {
     pub path: PathBuf,
     /// What to do about it.
     pub help: String,
-    /// What the operating system said.
+    /// What the operating system reported.
     pub source: io::Error,
 }
 
@@ -68,8 +68,8 @@ impl EventWriter {
         Ok(writer)
     }
 
-    /// Tells TensorBoard that a run goes on from a checkpoint: points of earlier
-    /// files at `step` and later are void and will come again.
+    /// Tells TensorBoard that a run is resumed from a checkpoint: points of earlier files at `step` and later are void
+    /// and will be written again.
     ///
     /// # Errors
     /// [`EventError`].
@@ -105,7 +105,7 @@ impl EventWriter {
         self.file.flush().map_err(|e| event_error(&self.path, e))
     }
 
-    /// The file.
+    /// Path of the file.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path

@@ -14,7 +14,7 @@ fn section(content: Content) -> Report {
 fn episode() -> Episode {
     let frame = |x: f32, covered: [bool; 5], coverage| Frame {
         uavs: vec![[x, 20.0], [30.0, 40.0], [35.0, 41.0]],
-        links: vec![[1, 2]],
+        edges: vec![[1, 2]],
         covered: covered.to_vec(),
         coverage,
         actions: vec![0, 16, 8],
@@ -128,9 +128,9 @@ fn lists_that_do_not_fit_are_named() {
         (|e| e.frames[1].uavs.truncate(2), "step 1: 2 UAVs where there should be 3"),
         (|e| e.frames[2].covered.push(true), "step 2: 6 PoI states where there should be 5"),
         (|e| e.frames[0].actions.truncate(1), "step 0: 1 actions where there should be 3"),
-        (|e| e.frames[1].links.push([0, 3]), "link [0, 3] names a UAV beyond the 3"),
+        (|e| e.frames[1].edges.push([0, 3]), "edge [0, 3] names a UAV beyond the 3"),
         (|e| e.side_u = 0.0, "side of the map must be a finite number above 0"),
-        (|e| e.pois[0][1] = f32::NAN, "place of every PoI must be a finite number"),
+        (|e| e.pois[0][1] = f32::NAN, "position of every PoI must be a finite number"),
         (|e| e.frames[1].coverage = f32::INFINITY, "coverage of every step"),
     ];
     for (spoil, message) in spoilt {

@@ -7,7 +7,7 @@ pub use calibrate::{Ranges, Situation, calibrate};
 
 use crate::any_actor::AnyActor;
 use crate::float_actor::FloatActor;
-use covey_env::{BatchedObservation, ObservationForm, Scenario, ScenarioError, heard};
+use covey_env::{BatchedObservation, ObservationForm, Scenario, ScenarioError, neighbour_features};
 use firmware_core::actor::file::{Body, HEADER, StoreError, TRAILER};
 use firmware_core::actor::{
     Aggregation, Feature, LoadError, Provenance, QuantisedActor, SELF_TESTS, SelfTestError, argmax, write_self_test,
@@ -199,7 +199,7 @@ fn int8_logits<O: BatchedObservation>(
     i: usize,
 ) -> [i16; 17] {
     let width = usize::from(actor.dimensions().feature);
-    actor.logits(&features[i], s.links[i].count + 1, heard(features, width, &s.links, i))
+    actor.logits(&features[i], s.links[i].count + 1, neighbour_features(features, width, &s.links, i))
 }
 
 /// Decisions in which the int8 actor's greatest logit is the float policy's, and all.
@@ -231,7 +231,7 @@ fn with_self_tests<O: BatchedObservation>(body: &Body<'_>, situations: &[Situati
             let features: Vec<Feature> =
                 O::among(&s.observations).iter().map(|o| actor.map_or(blank, |a| a.encode(o))).collect();
             let logits = actor.map_or([0; 17], |a| int8_logits(a, &features, s, i));
-            let neighbours: Vec<_> = heard(&features, width, &s.links, i).collect();
+            let neighbours: Vec<_> = neighbour_features(&features, width, &s.links, i).collect();
             let mut buffer = [0; 2048];
             let n =
                 write_self_test(&mut buffer, &O::among(&s.observations)[i], s.links[i].count + 1, &neighbours, &logits);

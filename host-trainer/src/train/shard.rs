@@ -5,7 +5,7 @@ use super::link::Eyes;
 use super::networks::{Networks, Workspace};
 use super::softmax;
 use crate::settings::Settings;
-use covey_env::baselines::advice;
+use covey_env::baselines::recommended_action;
 use covey_env::radio::RadioWorldError;
 use covey_env::{EpisodeMetrics, Neighbourhood, ObservationBatch, ObservationSlice, Scenario, World};
 use covey_net::kernel::padded;
@@ -262,7 +262,7 @@ impl Shard {
         let (n, first) = (self.uavs, t * self.row());
         let ObservationSlice::Compact(observations) = self.observations.part(first..first + self.row()) else { return };
         for (k, (advised, observation)) in self.advice[first..].iter_mut().zip(observations).enumerate() {
-            *advised = advice(observation, self.worlds[k / n].velocity(k % n));
+            *advised = recommended_action(observation, self.worlds[k / n].velocity(k % n));
         }
     }
 

@@ -26,7 +26,7 @@ pub(super) fn fly_reference(mut world: World, actor: Actor<'_>, policy_seed: u64
     let (mut actions, mut observations, mut coverage) = (Vec::new(), Vec::new(), Vec::new());
     while !world.done() {
         let step = world.steps_done();
-        policy.look(&world);
+        policy.observe(&world);
         let chosen: Vec<Action> =
             (0..world.scenario().uavs).map(|i| policy.choose(&policy.logits(i), i, step)).collect();
         observations.push(policy.observations().iter().map(observation_hash).collect());
@@ -54,7 +54,7 @@ impl<'a> ReferenceEvaluation<'a> {
     pub(super) fn evaluate(&mut self, step: u32, states: &[State]) -> Option<Vec<(u64, Action)>> {
         let snapshot = situation(&self.world, step, states)?;
         self.world.restore(&snapshot).ok()?;
-        self.policy.look(&self.world);
+        self.policy.observe(&self.world);
         let one = |i| {
             let action = self.policy.choose(&self.policy.logits(i), i, step);
             (observation_hash(&self.policy.observations()[i]), action)

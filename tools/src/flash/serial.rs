@@ -55,7 +55,7 @@ pub fn verify<S: Read + Write>(board: &mut Client<S>, place: &str, actor: &Actor
         Err(fault) => return Err(FlashError::wrong_file(&actor.path, &fault).into()),
     }
     say(&format!("{place} runs covey {} with actor {expected:016x}, self-test passed", report.software));
-    let (there, here) = (board.signature(CASES, CHUNK, |_| ())?, actor.signature(CASES)?);
+    let (there, here) = (board.fingerprint(CASES, CHUNK, |_| ())?, actor.signature(CASES)?);
     if there != here {
         let found = format!("{there:016x}");
         return Err(FlashError::Signature { place: place.into(), found, expected: here }.into());

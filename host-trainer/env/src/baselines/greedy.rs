@@ -1,8 +1,7 @@
-//! One-step greedy with the model: what pays most at once.
+//! The one-step greedy policy with a perfect model.
 
 use crate::policy::Policy;
-use crate::score::{Score, near_border, reward};
-use crate::world::World;
+use crate::world::{World, near_border, step_energy, uav_reward};
 use firmware_core::action::Action;
 use firmware_core::geometry::{COMMUNICATION_RANGE_U, COVERAGE_RANGE_U};
 
@@ -11,19 +10,21 @@ use firmware_core::geometry::{COMMUNICATION_RANGE_U, COVERAGE_RANGE_U};
 /// model: PoIs, UAVs and groups. All choose at the same time.
 #[derive(Clone, Debug, Default)]
 pub struct Greedy {
-    /// PoIs that each UAV covers, one UAV after another, and where each one's begin.
+    /// PoIs that each UAV covers, one UAV after another.
     covered: Vec<u32>,
-    covered_from: Vec<usize>,
-    /// Number of the last look that met each PoI and each UAV.
-    poi_seen: Vec<u64>,
-    uav_seen: Vec<u64>,
-    look: u64,
-    /// UAVs met whose neighbours have not been.
+    /// Where each UAV's PoIs begin in `covered`, and the end.
+    covered_starts: Vec<usize>,
+    /// Number of the last evaluation that visited each PoI and each UAV.
+    poi_visited: Vec<u64>,
+    uav_visited: Vec<u64>,
+    /// Number of the present evaluation of one action.
+    evaluation: u64,
+    /// UAVs visited whose neighbours are still to be visited.
     queue: Vec<usize>,
 }
 
 impl Greedy {
-    /// Greedy needs no settings and no random numbers.
+    /// A policy for any world; it draws no random numbers.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
@@ -31,56 +32,56 @@ impl Greedy {
 
     fn list_covered(&mut self, world: &World) {
         self.covered.clear();
-        self.covered_from.clear();
+        self.covered_starts.clear();
         for (&x, &y) in world.x().iter().zip(world.y()) {
-            self.covered_from.push(self.covered.len());
+            self.covered_starts.push(self.covered.len());
             self.covered.extend(world.pois_within(x, y, COVERAGE_RANGE_U as f32).map(|p| p as u32));
         }
-        self.covered_from.push(self.covered.len());
+        self.covered_starts.push(self.covered.len());
     }
 
     /// Reward of UAV `i` if it alone moved, to (x, y) with this energy.
     fn reward_at(&mut self, world: &World, i: usize, (x, y): (f32, f32), energy: f32) -> f32 {
-        self.look += 1;
-        let look = self.look;
-        self.uav_seen[i] = look;
+        self.evaluation += 1;
+        let evaluation = self.evaluation;
+        self.uav_visited[i] = evaluation;
         self.queue.clear();
         let (mut size, mut group, mut individual) = (1, 0, 0);
         for j in world.uavs_within(x, y, COMMUNICATION_RANGE_U as f32) {
-            if self.uav_seen[j] != look {
-                self.uav_seen[j] = look;
+            if self.uav_visited[j] != evaluation {
+                self.uav_visited[j] = evaluation;
                 self.queue.push(j);
             }
         }
         while let Some(j) = self.queue.pop() {
             size += 1;
-            for &p in &self.covered[self.covered_from[j]..self.covered_from[j + 1]] {
-                if self.poi_seen[p as usize] != look {
-                    self.poi_seen[p as usize] = look;
+            for &p in &self.covered[self.covered_starts[j]..self.covered_starts[j + 1]] {
+                if self.poi_visited[p as usize] != evaluation {
+                    self.poi_visited[p as usize] = evaluation;
                     group += 1;
                 }
             }
             for &k in world.neighbours(j) {
                 let k = usize::from(k);
-                if self.uav_seen[k] != look {
-                    self.uav_seen[k] = look;
+                if self.uav_visited[k] != evaluation {
+                    self.uav_visited[k] = evaluation;
                     self.queue.push(k);
                 }
             }
         }
         for p in world.pois_within(x, y, COVERAGE_RANGE_U as f32) {
-            individual += u32::from(self.poi_seen[p] != look);
+            individual += u32::from(self.poi_visited[p] != evaluation);
         }
         let near = near_border(world.scenario().side_u, x, y);
-        reward(individual, group + individual, size, near, energy)
+        uav_reward(individual, group + individual, size, near, energy)
     }
 }
 
 impl Policy for Greedy {
     fn act(&mut self, world: &World, actions: &mut [Action]) {
         let side = world.scenario().side_u;
-        self.poi_seen.resize(world.scenario().pois, 0);
-        self.uav_seen.resize(actions.len(), 0);
+        self.poi_visited.resize(world.scenario().pois, 0);
+        self.uav_visited.resize(actions.len(), 0);
         self.list_covered(world);
         for (i, best) in actions.iter_mut().enumerate() {
             let (x, y) = world.position(i);
@@ -88,7 +89,7 @@ impl Policy for Greedy {
             for action in Action::all() {
                 let (vx, vy) = action.next_velocity(world.velocity(i));
                 let there = ((x + vx).clamp(0.0, side), (y + vy).clamp(0.0, side));
-                let reward = self.reward_at(world, i, there, Score::energy_of(vx, vy));
+                let reward = self.reward_at(world, i, there, step_energy(vx, vy));
                 if reward > most {
                     (most, *best) = (reward, action);
                 }
@@ -115,7 +116,7 @@ mod tests {
             let (x, y) = world.position(mover);
             let (vx, vy) = actions[mover].next_velocity((0.0, 0.0));
             let there = ((x + vx).clamp(0.0, 60.0), (y + vy).clamp(0.0, 60.0));
-            let predicted = greedy.reward_at(&world, mover, there, Score::energy_of(vx, vy));
+            let predicted = greedy.reward_at(&world, mover, there, step_energy(vx, vy));
             let mut alone = vec![Action::COAST; 20];
             alone[mover] = actions[mover];
             world.step(&alone);

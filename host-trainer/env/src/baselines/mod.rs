@@ -1,4 +1,4 @@
-//! Policies that need no training, to compare with.
+//! Policies that need no training, to compare trained ones with: random, hovering, greedy, heuristics and planners.
 
 mod centroid;
 mod follower;
@@ -7,7 +7,7 @@ mod planner;
 mod simple;
 
 pub use centroid::Centroid;
-pub use follower::{Follower, advice};
+pub use follower::{Follower, recommended_action};
 pub use greedy::Greedy;
 pub use planner::{Planner, RememberingPlanner};
 pub use simple::{Hover, Random};

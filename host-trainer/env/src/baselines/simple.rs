@@ -1,4 +1,4 @@
-//! The two policies that look at nothing.
+//! The two policies that ignore their observations.
 
 use crate::policy::Policy;
 use crate::random::{below, stream};
@@ -6,14 +6,14 @@ use crate::world::World;
 use firmware_core::action::{ACTIONS, Action};
 use rand_chacha::ChaCha8Rng;
 
-/// Every action equally likely.
+/// Draws every action with equal probability.
 #[derive(Clone, Debug)]
 pub struct Random {
     rng: ChaCha8Rng,
 }
 
 impl Random {
-    /// For world `index`, with draws of its own.
+    /// A policy for world `index`, which draws actions of its own from `seed`.
     #[must_use]
     pub fn new(seed: u64, index: u64) -> Self {
         Self { rng: stream("covey random policy", seed, index) }
@@ -29,7 +29,7 @@ impl Policy for Random {
     }
 }
 
-/// Action 16 for ever: UAVs stay where they spawn.
+/// Always action 16, no acceleration: UAVs stay where they spawn.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Hover;
 

@@ -1,27 +1,40 @@
-//! A radio link that is not perfect, and a swarm that flies by it.
+//! The radio: a channel model that is not perfect, and swarms whose UAVs exchange their messages over it.
 //!
-//! [`Radio`] carries datagrams between the nodes of a swarm and does to them what
-//! [`RadioSettings`] say: it loses, delays, doubles, reorders and damages them, and ends at a
-//! range. It knows nothing of what is in them, of sockets or of clocks, so tests, a bridge and
-//! an evaluation can all play the same link. [`RadioPolicy`] flies a world's UAVs as boards do:
-//! each knows the others only by the messages that such a link brings it. [`RadioObserver`]
-//! makes the observations that come of it, for training.
+//! [`RadioChannel`] carries datagrams between the nodes of a swarm and loses, delays, duplicates, reorders and corrupts
+//! them as [`RadioSettings`] say, within a range. It knows nothing of their content, of sockets or of clocks, so a
+//! test, a simulation and an evaluation can all use the same channel. [`RadioPolicy`] flies the UAVs of a world as
+//! boards do: each knows of the others only by the messages that the channel delivers. [`RadioObserver`] makes the
+//! observations that follow, for training.
 //!
-//! What happens to a datagram is a function of the seed, the sender, the receiver and its
-//! number among those that this sender sent to this receiver: never of threads or of the order
-//! in which the nodes of a swarm have their turns.
+//! What happens to a datagram is a function of the seed, the sender, the receiver and its number among the datagrams
+//! that this sender sent to this receiver: never of threads or of the order in which the nodes are simulated.
 
-mod draws;
+mod channel;
+mod counts;
+mod datagram_random;
+mod error;
+mod evaluate;
 mod figures;
-mod model;
+mod impairments;
+mod in_transit;
+mod keys;
+mod limits;
 mod observer;
 mod policy;
 mod settings;
+mod settings_text;
 mod swarm;
+mod timing;
+mod world_error;
 
-pub use figures::{RadioFigures, RadioWorldError, evaluate_over};
-pub use model::{Counts, Datagram, MAX_NODES, Radio};
+pub use channel::{Datagram, RadioChannel};
+pub use counts::DatagramCounts;
+pub use error::RadioError;
+pub use evaluate::evaluate_over_radio;
+pub use figures::RadioFigures;
+pub use limits::MAX_NODES;
 pub use observer::RadioObserver;
 pub use policy::RadioPolicy;
-pub use settings::{KEYS, RadioError, RadioSettings};
-pub use swarm::{DECIDE_MS, ENCODE_MS};
+pub use settings::RadioSettings;
+pub use timing::{DECIDE_MS, ENCODE_MS};
+pub use world_error::RadioWorldError;

@@ -1,113 +1,99 @@
-//! The int8 actor over a link.
+//! The int8 actor over a radio channel.
 
+use super::channel::RadioChannel;
+use super::error::RadioError;
 use super::figures::RadioFigures;
-use super::model::Radio;
-use super::settings::{RadioError, RadioSettings};
+use super::settings::RadioSettings;
 use super::swarm::Swarm;
 use crate::policy::Policy;
 use crate::world::World;
 use firmware_core::action::Action;
-use firmware_core::actor::{ActorInput, Feature, Logits, Mode, QuantisedActor};
-use firmware_core::message;
+use firmware_core::actor::{ActorInput, Mode, QuantisedActor};
+use firmware_core::agent::{AgentSettings, Decision};
 use firmware_core::observation::{Neighbours, Observation};
 
-/// Flies all UAVs of a world with one actor, over a link.
+/// Flies all UAVs of a world with one int8 actor, over a radio channel.
 ///
-/// Each UAV has a neighbour table of its own and knows the others only by the bytes that the
-/// link brings it, in the order of a step on the air: beacons go out as the step begins; what
-/// has arrived [`ENCODE_MS`](super::ENCODE_MS) later makes the observation, and features go
-/// out; what has arrived by [`DECIDE_MS`](super::DECIDE_MS) makes the decision. What comes
-/// later is there in the next step. Ages are measured from the beginning of the step, where the
-/// state in the beacon is from.
+/// Each UAV is an on-board [`Agent`](firmware_core::agent::Agent) and knows the others only by the bytes that the
+/// channel delivers, with the timing of a step on board: beacons are sent as the step begins; what has arrived
+/// [`ENCODE_MS`](super::ENCODE_MS) later makes the observation, and features are sent; what has arrived by
+/// [`DECIDE_MS`](super::DECIDE_MS) makes the decision. What arrives later counts in the next step. Ages are measured
+/// from the beginning of the step, the moment that the beacons tell of.
 ///
-/// Over a perfect link that reaches 34 u or farther it is [`crate::ActorPolicy`], to the bit.
+/// Over a perfect channel that reaches 34 u or farther it equals [`crate::ActorPolicy`] to the bit.
 #[derive(Clone, Debug)]
 pub struct RadioPolicy<'a, O: ActorInput = Observation> {
     actor: QuantisedActor<'a, O>,
+    /// Of the next episode.
     seed: u64,
-    mode: Mode,
     swarm: Swarm,
     observations: Vec<O>,
-    features: Vec<Feature>,
 }
 
 impl<'a, O: ActorInput> RadioPolicy<'a, O> {
-    /// `seed` is the policy seed that all UAVs share; the link's draws come from it too.
+    /// A policy for `uavs` UAVs with the seed that they share; the channel's random numbers follow from it too.
     ///
     /// # Errors
-    /// Settings that cannot be, or more UAVs than a link has nodes.
+    /// [`RadioError`] when a parameter is out of range, or there are more UAVs than a channel has nodes.
     pub fn new(
         actor: QuantisedActor<'a, O>,
         seed: u64,
         mode: Mode,
-        link: &RadioSettings,
+        settings: &RadioSettings,
         uavs: usize,
     ) -> Result<Self, RadioError> {
-        let mut swarm = Swarm::new(link, uavs, actor.policy_id())?;
-        swarm.begin(seed);
-        let observations = vec![O::ZERO; uavs];
-        let features = observations.iter().map(|o| actor.encode(o)).collect();
-        Ok(Self { actor, seed, mode, swarm, observations, features })
+        let shared = AgentSettings { mode, ..AgentSettings::new(&actor, 0, seed) };
+        Ok(Self { actor, seed, swarm: Swarm::new(settings, uavs, shared)?, observations: vec![O::ZERO; uavs] })
     }
 
-    /// Takes another policy seed for the next episode, from its [`Policy::begin`] on.
+    /// Sets the policy seed of the next episode; it counts from [`Policy::begin`] on.
     pub const fn reseed(&mut self, seed: u64) {
         self.seed = seed;
     }
 
-    /// The UAVs look, tell each other what they see and hear it, in the present state of
-    /// `world`. Call it once a step.
+    /// Lets every UAV observe the present state of `world`, encode it, and exchange beacons and features. Call it once
+    /// for each step.
     ///
     /// # Panics
-    /// When `world` has not as many UAVs as [`Self::new`] was told.
-    pub fn look(&mut self, world: &World) {
-        let Self { actor, seed, swarm, observations, features, .. } = self;
-        let tie = |id, step| actor.tie_breaker(*seed, id, step);
-        swarm.look(world, tie, observations, |seen| {
-            features[seen.index] = actor.encode(seen.observation);
-            message::FeatureMessage::from_actor(seen.header, seen.degree, actor, &features[seen.index])
+    /// When `world` has another number of UAVs than [`Self::new`] was given.
+    pub fn observe(&mut self, world: &World) {
+        let Self { actor, swarm, observations, .. } = self;
+        swarm.exchange(world, observations, |agent, observation, sequence| {
+            agent.encode(actor, observation, sequence).expect("the agent was set up for this actor and has observed")
         });
     }
 
-    /// Observations of all UAVs at the last [`Self::look`].
+    /// Observations of all UAVs at the last [`Self::observe`].
     #[must_use]
     pub fn observations(&self) -> &[O] {
         &self.observations
     }
 
-    /// The neighbours that UAV `i` believed in range at the last [`Self::look`].
+    /// The neighbours that UAV `i` believed in range at the last [`Self::observe`].
     ///
     /// # Panics
     /// When there is no UAV `i`.
     #[must_use]
     pub fn neighbours(&self, i: usize) -> &Neighbours {
-        &self.swarm.boards[i].view
+        self.swarm.agents[i].neighbours()
     }
 
-    /// Logits of UAV `i` for what it saw and heard at the last [`Self::look`], at `step`.
+    /// The decision of UAV `i` for its observation and the features it had received at the last [`Self::observe`].
     ///
     /// # Panics
-    /// When there is no UAV `i`.
+    /// When there is no UAV `i`, or [`Self::observe`] was not called in this episode.
     #[must_use]
-    pub fn logits(&self, i: usize, step: u32) -> Logits {
-        let board = &self.swarm.boards[i];
-        let heard = board.table.features(&board.view, step).map(|(_, feature)| feature);
-        self.actor.logits(&self.features[i], board.degree(), heard)
+    pub fn decide(&self, i: usize) -> Decision {
+        self.swarm.agents[i].decide(&self.actor).expect("observe comes before decide")
     }
 
-    /// The action of these logits for UAV `i` at `step`.
+    /// The radio channel.
     #[must_use]
-    pub fn choose(&self, logits: &Logits, i: usize, step: u32) -> Action {
-        self.actor.choose(logits, self.mode, self.seed, i as u16, step)
+    pub const fn channel(&self) -> &RadioChannel {
+        &self.swarm.channel
     }
 
-    /// The link.
-    #[must_use]
-    pub const fn radio(&self) -> &Radio {
-        &self.swarm.radio
-    }
-
-    /// What the link has done to the swarm in this episode.
+    /// What the channel has done to the swarm in this episode.
     #[must_use]
     pub fn figures(&self) -> RadioFigures {
         self.swarm.figures()
@@ -116,14 +102,13 @@ impl<'a, O: ActorInput> RadioPolicy<'a, O> {
 
 impl<O: ActorInput> Policy for RadioPolicy<'_, O> {
     fn begin(&mut self, _: &World) {
-        self.swarm.begin(self.seed);
+        self.swarm.begin(AgentSettings { policy_seed: self.seed, ..self.swarm.shared() });
     }
 
     fn act(&mut self, world: &World, actions: &mut [Action]) {
-        self.look(world);
-        let step = world.steps_done();
+        self.observe(world);
         for (i, action) in actions.iter_mut().enumerate() {
-            *action = self.choose(&self.logits(i, step), i, step);
+            *action = self.decide(i).action;
         }
     }
 }

@@ -1,124 +1,112 @@
-//! UAVs that know each other by what their radio brings, and by nothing else.
+//! A swarm of on-board agents that know of each other only by the messages that the radio channel delivers.
 
+use super::channel::RadioChannel;
+use super::error::RadioError;
 use super::figures::RadioFigures;
-use super::model::Radio;
-use super::settings::{RadioError, RadioSettings};
+use super::settings::RadioSettings;
+use super::timing::{DECIDE_MS, ENCODE_MS, STEP_MS};
 use crate::world::World;
-use firmware_core::actor::PolicyId;
-use firmware_core::geometry::{COMMUNICATION_RANGE_U, OBSERVATION_RANGE_U, State, TICKS_PER_U, Vec2};
-use firmware_core::message::{Beacon, FeatureMessage, Header, MAX_LEN, Message};
-use firmware_core::neighbour_table::{DEFAULT_STEP_MS, Moment, NeighbourTable};
-use firmware_core::observation::{BuildObservation, Neighbours, Scene};
+use firmware_core::agent::{Agent, AgentSettings};
+use firmware_core::geometry::{COMMUNICATION_RANGE_U, State, TICKS_PER_U, Vec2};
+use firmware_core::message::{FeatureMessage, MAX_LEN, Message};
+use firmware_core::neighbour_table::Moment;
+use firmware_core::observation::BuildObservation;
 
-/// When a UAV looks at its neighbours, encodes and sends its feature: ms after the step began,
-/// when its beacon went out.
-pub const ENCODE_MS: u64 = 400;
-/// When it decides, ms after the step began.
-pub const DECIDE_MS: u64 = 800;
-const STEP_MS: u64 = DEFAULT_STEP_MS as u64;
-/// What is added to a range, u, so that rounding to ticks leaves nobody out.
+/// Margin of a range query, u, so that rounding to ticks leaves no UAV out.
 const MARGIN_U: f32 = 0.01;
 
-/// The radio, and what each UAV has heard.
+/// The channel and the agents.
 #[derive(Clone, Debug)]
 pub(super) struct Swarm {
-    pub(super) radio: Radio,
-    pub(super) boards: Vec<Board>,
-    policy: PolicyId,
+    pub(super) channel: RadioChannel,
+    /// One for each UAV; its index is its id.
+    pub(super) agents: Vec<Agent>,
+    /// What the agents share; each has its own id.
+    shared: AgentSettings,
+    /// The UAVs' own states in the present step.
+    states: Vec<State>,
     figures: RadioFigures,
 }
 
-/// What one UAV holds.
-#[derive(Clone, Debug)]
-pub(super) struct Board {
-    id: u16,
-    pub(super) table: NeighbourTable,
-    /// Neighbours believed in range.
-    pub(super) view: Neighbours,
-    own: State,
-    tie: i8,
-}
-
-/// What a UAV encodes.
-pub(super) struct Seen<'o, O> {
-    /// Which UAV.
-    pub(super) index: usize,
-    /// Of its feature message.
-    pub(super) header: Header,
-    /// Neighbours believed in range, and itself.
-    pub(super) degree: u8,
-    /// Its observation.
-    pub(super) observation: &'o O,
-}
-
 impl Swarm {
-    pub(super) fn new(link: &RadioSettings, uavs: usize, policy: PolicyId) -> Result<Self, RadioError> {
-        let radio = Radio::new(link, uavs, 0)?;
-        let board = |id| Board {
-            id,
-            table: NeighbourTable::new(id, policy, DEFAULT_STEP_MS),
-            view: Neighbours::new(),
-            own: State::default(),
-            tie: 0,
-        };
-        // Radio::new bounds the number by MAX_NODES.
-        let boards = (0..uavs as u16).map(board).collect();
-        Ok(Self { radio, boards, policy, figures: RadioFigures::default() })
+    /// A swarm of `uavs` agents that share these settings, but for the id.
+    pub(super) fn new(settings: &RadioSettings, uavs: usize, shared: AgentSettings) -> Result<Self, RadioError> {
+        let channel = RadioChannel::new(settings, uavs, shared.policy_seed)?;
+        // RadioChannel::new bounds the number by MAX_NODES.
+        let agents = (0..uavs as u16).map(|id| Agent::new(AgentSettings { id, ..shared })).collect();
+        let states = vec![State::default(); uavs];
+        Ok(Self { channel, agents, shared, states, figures: RadioFigures::default() })
     }
 
-    /// A new episode: nobody has heard anything. The link's draws come from `seed`.
-    pub(super) fn begin(&mut self, seed: u64) {
-        self.radio.reset(seed);
-        let policy = self.policy;
-        self.boards.iter_mut().for_each(|b| b.table.reset(b.id, policy, DEFAULT_STEP_MS));
+    /// Begins an episode with these settings: neighbour tables are empty. The channel's random numbers follow from the
+    /// policy seed.
+    pub(super) fn begin(&mut self, shared: AgentSettings) {
+        self.channel.reset(shared.policy_seed);
         self.figures = RadioFigures::default();
+        self.shared = shared;
+        self.reset_agents();
     }
 
-    /// A step on the air, in the present state of `world`: beacons, views, observations (one
-    /// for each UAV goes to `out`), and the features that `encode` makes of them.
-    pub(super) fn look<O: BuildObservation>(
+    fn reset_agents(&mut self) {
+        for (id, agent) in (0u16..).zip(&mut self.agents) {
+            agent.reset(AgentSettings { id, ..self.shared });
+        }
+    }
+
+    /// What the agents share.
+    pub(super) const fn shared(&self) -> AgentSettings {
+        self.shared
+    }
+
+    /// The exchange of a step in the present state of `world`: the agents' beacons, their observations (one for each
+    /// UAV is written to `observations`), and the features that `encode` lets an agent make of its observation.
+    pub(super) fn exchange<O: BuildObservation>(
         &mut self,
         world: &World,
-        tie: impl Fn(u16, u32) -> i8,
-        out: &mut [O],
-        encode: impl FnMut(&Seen<'_, O>) -> Option<FeatureMessage>,
+        observations: &mut [O],
+        encode: impl FnMut(&mut Agent, &O, u16) -> Option<FeatureMessage>,
     ) {
         let uavs = world.scenario().uavs;
-        assert!(uavs == self.boards.len(), "look: {uavs} UAVs, the swarm was made for {}", self.boards.len());
+        assert!(uavs == self.agents.len(), "exchange: {uavs} UAVs, the swarm was made for {}", self.agents.len());
+        let half_side = world.scenario().half_side_ticks();
+        if self.shared.half_side != half_side {
+            // The first step on another map.
+            self.shared.half_side = half_side;
+            self.reset_agents();
+        }
         let step = world.steps_done();
         let begin_ms = u64::from(step) * STEP_MS;
         let now = Moment { step, time_ms: begin_ms as u32 };
-        self.send_beacons(world, now, begin_ms, tie);
-        self.listen(now, begin_ms + ENCODE_MS);
-        self.observe(world, now, begin_ms + ENCODE_MS, out, encode);
-        self.listen(now, begin_ms + DECIDE_MS);
-        self.count(world, step);
+        self.send_beacons(world, now, begin_ms);
+        self.receive(now, begin_ms + ENCODE_MS);
+        self.observe(world, now, begin_ms + ENCODE_MS, observations, encode);
+        self.receive(now, begin_ms + DECIDE_MS);
+        self.count_beliefs(world);
     }
 
-    /// What the link has done in this episode.
+    /// What the channel has done in this episode.
     pub(super) fn figures(&self) -> RadioFigures {
-        RadioFigures { counts: self.radio.counts(), ..self.figures }
+        RadioFigures { counts: self.channel.counts(), ..self.figures }
     }
 
-    fn send_beacons(&mut self, world: &World, now: Moment, now_ms: u64, tie: impl Fn(u16, u32) -> i8) {
-        for i in 0..self.boards.len() {
-            self.radio.place(i, world.position(i));
+    fn send_beacons(&mut self, world: &World, now: Moment, now_ms: u64) {
+        for i in 0..self.agents.len() {
+            self.channel.set_position(i, world.position(i));
         }
-        for (i, board) in self.boards.iter_mut().enumerate() {
+        for (i, (agent, state)) in self.agents.iter().zip(&mut self.states).enumerate() {
             let ((x, y), (vx, vy)) = (world.position(i), world.velocity(i));
-            board.own = State { position: Vec2::from_u(x, y), velocity: Vec2::from_u(vx, vy) };
-            board.tie = tie(board.id, now.step);
-            let beacon = Beacon::new(board.header(now.step), now.time_ms, board.own, board.tie);
-            send(&mut self.radio, now_ms, i, &Message::Beacon(beacon));
+            *state = State { position: Vec2::from_u(x, y), velocity: Vec2::from_u(vx, vy) };
+            let beacon = agent.beacon(now, sequence(now), *state);
+            send(&mut self.channel, now_ms, i, &Message::Beacon(beacon));
         }
     }
 
-    /// Every UAV hears what has arrived by `now_ms`.
-    fn listen(&mut self, now: Moment, now_ms: u64) {
-        for (i, board) in self.boards.iter_mut().enumerate() {
-            while let Some(datagram) = self.radio.poll(now_ms, i) {
+    /// Hands every agent the messages that have arrived by `now_ms`.
+    fn receive(&mut self, now: Moment, now_ms: u64) {
+        for (i, (agent, state)) in self.agents.iter_mut().zip(&self.states).enumerate() {
+            while let Some(datagram) = self.channel.poll(now_ms, i) {
                 match Message::decode(datagram.bytes) {
-                    Ok(message) => self.figures.add_answer(board.table.hear(&message, board.own.position, now)),
+                    Ok(message) => self.figures.add_answer(agent.hear(&message, state.position, now)),
                     Err(_) => self.figures.malformed += 1,
                 }
             }
@@ -130,54 +118,41 @@ impl Swarm {
         world: &World,
         now: Moment,
         now_ms: u64,
-        out: &mut [O],
-        mut encode: impl FnMut(&Seen<'_, O>) -> Option<FeatureMessage>,
+        observations: &mut [O],
+        mut encode: impl FnMut(&mut Agent, &O, u16) -> Option<FeatureMessage>,
     ) {
-        let half_side = world.scenario().half_side_ticks();
-        for (index, (board, observation)) in self.boards.iter_mut().zip(out).enumerate() {
-            board.table.view(board.own.position, now, &mut board.view);
-            let scene = Scene { id: board.id, own: board.own, tie: board.tie, half_side, neighbours: &board.view };
-            let (x, y) = world.position(index);
-            let in_cells = world.poi_cells.around(x, y, OBSERVATION_RANGE_U as f32);
-            *observation = O::build(&scene, in_cells.flat_map(|run| &world.poi_ticks[run]).copied());
-            let seen = Seen { index, header: board.header(now.step), degree: board.degree(), observation };
-            if let Some(feature) = encode(&seen) {
-                send(&mut self.radio, now_ms, index, &Message::Feature(feature));
+        let agents = self.agents.iter_mut().zip(&self.states);
+        for (i, ((agent, state), observation)) in agents.zip(observations).enumerate() {
+            *observation = agent.observe(now, *state, world.poi_ticks_near(i));
+            if let Some(feature) = encode(agent, observation, sequence(now)) {
+                send(&mut self.channel, now_ms, i, &Message::Feature(feature));
             }
         }
     }
 
-    /// Compares what every UAV believes with what is so.
-    fn count(&mut self, world: &World, step: u32) {
-        let boards = &self.boards;
-        for (i, board) in boards.iter().enumerate() {
-            // Damage makes ids that nobody has.
+    /// Compares the neighbours that every agent believes in range with those that are.
+    fn count_beliefs(&mut self, world: &World) {
+        let states = &self.states;
+        for (i, (agent, state)) in self.agents.iter().zip(states).enumerate() {
+            // Bit errors make ids that no UAV has.
             let in_range = |j: usize| {
-                let offset = boards.get(j).map(|other| other.own.position - board.own.position);
+                let offset = states.get(j).map(|other| other.position - state.position);
                 offset.is_some_and(|o| o.within(COMMUNICATION_RANGE_U * TICKS_PER_U).is_some())
             };
             let (x, y) = world.position(i);
             let near = world.uavs_within(x, y, COMMUNICATION_RANGE_U as f32 + MARGIN_U);
             let neighbours = near.filter(|&j| j != i && in_range(j)).count();
-            let believed = board.view.as_slice().iter().map(|n| in_range(usize::from(n.id)));
-            let features = board.table.features(&board.view, step).count();
-            self.figures.add_view(neighbours, believed, features);
+            let believed = agent.neighbours().as_slice().iter().map(|n| in_range(usize::from(n.id)));
+            self.figures.add_belief(neighbours, believed, agent.features().count());
         }
     }
 }
 
-impl Board {
-    fn header(&self, step: u32) -> Header {
-        // One beacon and one feature a step.
-        Header { id: self.id, sequence: step as u16, step }
-    }
-
-    /// Neighbours believed in range, and itself.
-    pub(super) fn degree(&self) -> u8 {
-        self.view.as_slice().len() as u8 + 1 // at most MAX_NEIGHBOURS + 1
-    }
+/// The sequence number of a step's messages: a UAV sends one beacon and one feature in each.
+const fn sequence(now: Moment) -> u16 {
+    now.step as u16
 }
 
-fn send(radio: &mut Radio, now_ms: u64, from: usize, message: &Message) {
-    radio.broadcast(now_ms, from, message.encode(&mut [0; MAX_LEN]));
+fn send(channel: &mut RadioChannel, now_ms: u64, from: usize, message: &Message) {
+    channel.broadcast(now_ms, from, message.encode(&mut [0; MAX_LEN]));
 }

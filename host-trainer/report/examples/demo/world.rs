@@ -30,7 +30,7 @@ fn distance(a: [f32; 2], b: [f32; 2]) -> f32 {
 }
 
 /// 20 UAVs that drift to the PoIs around them that no other one covers, keep apart
-/// while linked, and look for more where there are none.
+/// while in range, and look for more where there are none.
 pub fn episode(title: &str, seed: u64, steps: usize) -> Episode {
     let mut dice = Dice(seed);
     let mut pois = Vec::new();
@@ -83,10 +83,10 @@ pub fn episode(title: &str, seed: u64, steps: usize) -> Episode {
 fn frame(uavs: &[[f32; 2]], pois: &[[f32; 2]]) -> Frame {
     let covered: Vec<bool> = pois.iter().map(|p| uavs.iter().any(|u| distance(*u, *p) <= COVERAGE_RANGE_U)).collect();
     let pairs = (0..uavs.len()).flat_map(|i| (i + 1..uavs.len()).map(move |j| (i, j)));
-    let linked = pairs.filter(|&(i, j)| distance(uavs[i], uavs[j]) <= COMMUNICATION_RANGE_U);
+    let edges = pairs.filter(|&(i, j)| distance(uavs[i], uavs[j]) <= COMMUNICATION_RANGE_U);
     Frame {
         uavs: uavs.to_vec(),
-        links: linked.map(|(i, j)| [i as u16, j as u16]).collect(),
+        edges: edges.map(|(i, j)| [i as u16, j as u16]).collect(),
         coverage: covered.iter().filter(|c| **c).count() as f32 / pois.len() as f32,
         covered,
         actions: Vec::new(),

@@ -57,18 +57,18 @@
       stroke(colours.disc, 1, 0.4);
     }
     if (layers.trails) drawTrails(context, episode, t, uavs.length, at, (width, alpha) => stroke(colours.uav, width, alpha));
-    if (layers.links) {
+    if (layers.edges) {
       context.beginPath();
       for (let k = 0; k < frame.l.length; k += 2) {
         const [a, b] = [uavs[frame.l[k]], uavs[frame.l[k + 1]]];
         if (a && b) { context.moveTo(...at(a)); context.lineTo(...at(b)); }
       }
-      stroke(colours.link, 1.6, 0.75);
+      stroke(colours.edge, 1.6, 0.75);
     }
     drawPois(context, episode, frame, at, pixel, colours, circle, stroke);
 
     if (selected !== null && uavs[selected]) {
-      for (const [range, dash, colour] of [[1, [6, 5], colours.uav], [2, [1.5, 4], colours.link]]) {
+      for (const [range, dash, colour] of [[1, [6, 5], colours.uav], [2, [1.5, 4], colours.edge]]) {
         context.beginPath();
         circle(at(uavs[selected]), episode.ranges[range] * scale);
         context.setLineDash(dash.map((d) => d * pixel));

@@ -59,7 +59,7 @@
 
     readColours() {
       const style = getComputedStyle(root);
-      const names = ['map', 'grid', 'disc', 'link', 'uav', 'covered', 'open'];
+      const names = ['map', 'grid', 'disc', 'edge', 'uav', 'covered', 'open'];
       this.colours = Object.fromEntries(names.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
     }
 
@@ -206,7 +206,7 @@
       this.redraw();
     }
 
-    // UAVs with a link, and connected groups (a lone UAV is one).
+    // UAVs with a neighbour, and connected groups (a lone UAV is one).
     graph(frame) {
       const parent = Array.from({ length: frame.p.length / 2 }, (_, i) => i);
       const find = (i) => { while (parent[i] !== i) i = parent[i]; return i; };

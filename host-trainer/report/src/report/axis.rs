@@ -1,4 +1,6 @@
-//! Where values stand on an axis, and round numbers for its ticks.
+//! Axes: where values are on them, and round numbers for their ticks.
+
+use super::number::number;
 
 /// One axis of a chart.
 #[derive(Clone, Copy, Debug)]
@@ -41,8 +43,8 @@ impl Axis {
         self.high
     }
 
-    /// 0 at the low end, 1 at the high end.
-    pub fn place(&self, value: f64) -> f64 {
+    /// Where a value is on the axis: 0 at the low end, 1 at the high end.
+    pub fn fraction(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
     }
 
@@ -71,24 +73,6 @@ pub(super) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
         range = Some((low.min(v), high.max(v)));
     }
     range.unwrap_or((0.0, 1.0))
-}
-
-/// Decimal text with a true minus sign and commas between thousands.
-pub(super) fn number(value: f64, decimals: usize) -> String {
-    if !value.is_finite() {
-        return "–".into();
-    }
-    let digits = format!("{:.decimals$}", value.abs());
-    let (whole, fraction) = digits.split_at(digits.find('.').unwrap_or(digits.len()));
-    let zero = digits.bytes().all(|b| matches!(b, b'0' | b'.'));
-    let mut out = String::from(if value < 0.0 && !zero { "−" } else { "" });
-    for (i, digit) in whole.char_indices() {
-        if i > 0 && (whole.len() - i).is_multiple_of(3) {
-            out.push(',');
-        }
-        out.push(digit);
-    }
-    out + fraction
 }
 
 /// Ends that differ and whose difference does not overflow.
@@ -133,13 +117,6 @@ mod tests {
     }
 
     #[test]
-    fn numbers_read_well() {
-        assert_eq!(number(-1234567.891, 1), "−1,234,567.9");
-        assert_eq!(number(-0.0004, 3), "0.000");
-        assert_eq!(number(f64::NAN, 3), "–");
-    }
-
-    #[test]
     fn a_range_shorter_than_its_rounded_step_has_a_tick() {
         for (low, high) in [(-4.58, -0.29), (-4.583870523906242e-81, -2.943432413207027e-82)] {
             assert!(Axis::exact((low, high), 2).ticks().count() >= 1, "{low} to {high}");
@@ -154,7 +131,7 @@ mod tests {
                 let ticks: Vec<_> = axis.ticks().collect();
                 prop_assert!((1..=24).contains(&ticks.len()), "{axis:?}: {ticks:?}");
                 for t in ticks {
-                    prop_assert!((-1e-6..=1.0 + 1e-6).contains(&axis.place(t)), "{axis:?}: {t}");
+                    prop_assert!((-1e-6..=1.0 + 1e-6).contains(&axis.fraction(t)), "{axis:?}: {t}");
                 }
             }
         }

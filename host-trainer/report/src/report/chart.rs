@@ -1,8 +1,7 @@
-//! Curves as callers give them.
+//! Charts as callers pass them.
 
+use super::error::ReportError;
 use serde::{Deserialize, Serialize};
-
-use super::ReportError;
 
 /// Curves over a shared pair of axes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -67,6 +66,7 @@ impl Series {
 }
 
 impl Chart {
+    /// Checks that every band is as long as its curve.
     pub(super) fn check(&self) -> Result<(), ReportError> {
         let unequal = |s: &&Series| s.band.as_ref().is_some_and(|b| b.len() != s.points.len());
         match self.series.iter().find(unequal) {

@@ -3,37 +3,16 @@
 
 use std::fmt::Write;
 
-use super::ReportError;
-use super::axis::{number, range};
+use super::axis::range;
 use super::chart::Chart;
 use super::curve::{Axes, band, label_on_right, line};
+use super::error::ReportError;
 use super::escape::Escaped;
+use super::number::number;
+use super::palette::{Palette, classes};
 
 /// Inner size of the plot; it is stretched to whatever room there is.
 const SIZE: (f64, f64) = (1000.0, 1000.0);
-/// Colours in the style sheet.
-pub(super) const COLOURS: usize = 8;
-
-/// Names of series in order of first appearance: their colours.
-#[derive(Default)]
-pub(super) struct Palette(Vec<String>);
-
-impl Palette {
-    /// Number of the name's colour, from 0; beyond [`COLOURS`] dashes tell them apart.
-    pub fn index(&mut self, name: &str) -> usize {
-        self.0.iter().position(|n| n == name).unwrap_or_else(|| {
-            self.0.push(name.into());
-            self.0.len() - 1
-        })
-    }
-}
-
-/// Classes that give a series its colour and dashes.
-pub(super) fn classes(index: usize) -> String {
-    let dashed = if index >= COLOURS { " dashed" } else { "" };
-    format!("s{}{dashed}", index % COLOURS + 1)
-}
-
 /// A group of charts with one legend.
 pub(super) fn charts(charts: &[Chart], palette: &mut Palette) -> Result<String, ReportError> {
     let mut legend = Vec::new();
@@ -70,17 +49,17 @@ fn figure(chart: &Chart, palette: &mut Palette) -> String {
     let mut svg = String::from("<path class=\"gridline\" d=\"");
     let mut labels = String::new();
     for tick in axes.y.ticks() {
-        let top = 1.0 - axes.y.place(tick);
+        let top = 1.0 - axes.y.fraction(tick);
         let _ = write!(svg, "M0 {:.1}H1000", top * 1000.0);
         let _ = write!(labels, "<span class=\"ty\" style=\"top:{:.2}%\">{}</span>", top * 100.0, axes.y.label(tick));
     }
     svg += "\"/>";
     for tick in axes.x.ticks() {
-        let left = axes.x.place(tick) * 100.0;
+        let left = axes.x.fraction(tick) * 100.0;
         let _ = write!(labels, "<span class=\"tx\" style=\"left:{left:.2}%\">{}</span>", axes.x.label(tick));
     }
-    for reference in chart.references.iter().filter(|r| (0.0..=1.0).contains(&axes.y.place(r.y))) {
-        let top = 1.0 - axes.y.place(reference.y);
+    for reference in chart.references.iter().filter(|r| (0.0..=1.0).contains(&axes.y.fraction(r.y))) {
+        let top = 1.0 - axes.y.fraction(reference.y);
         let _ = write!(svg, "<path class=\"reference\" d=\"M0 {:.1}H1000\"/>", top * 1000.0);
         // Near the top there is no room above the line.
         let below = if top < 0.12 { " below" } else { "" };

@@ -1,12 +1,12 @@
-//! Several runs in one report.
+//! A report that compares several runs.
 
 use serde::{Deserialize, Serialize};
 
 use super::chart::Chart;
-use super::table::{Better, Cell, Column, Row, Table};
-use super::{Content, Estimate, Figure, Group, Report, Section};
+use super::model::{Content, Figure, Group, Report, Section};
+use super::table::{Better, Cell, Column, Estimate, Row, Table};
 
-/// What a comparison takes of one run.
+/// What a comparison shows of one run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Run {
     /// Name of the run: it stands in the table and in the legend.

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::axis::{Axis, range};
 use super::chart::{Chart, Series};
 
-/// More points than this gain nothing on a screen.
+/// Longer curves are thinned: more points cannot be seen on a screen.
 const MOST_POINTS: usize = 600;
 
 /// A chart's axes.
@@ -27,18 +27,17 @@ impl Axes {
         Self { x: Axis::snapped(range(points().map(|p| p.0)), 5), y }
     }
 
-    /// Places of a point in a box of the given size, y downwards.
-    fn place(&self, (x, y): (f64, f64), (width, height): (f64, f64)) -> (f64, f64) {
-        (self.x.place(x) * width, (1.0 - self.y.place(y)) * height)
+    /// A point of the chart in a box of the given size, y downwards.
+    fn in_box(&self, (x, y): (f64, f64), (width, height): (f64, f64)) -> (f64, f64) {
+        (self.x.fraction(x) * width, (1.0 - self.y.fraction(y)) * height)
     }
 }
 
-/// Whether the label of a level is best put on the right: where the curves keep
-/// further away from it than on the left.
+/// Whether the label of a level fits better on the right, where the curves are farther from it than on the left.
 pub(super) fn label_on_right(chart: &Chart, axes: &Axes, level: f64) -> bool {
     let clearance = |inside: fn(f64) -> bool| {
-        let points = chart.series.iter().flat_map(|s| &s.points).filter(|p| inside(axes.x.place(p.0)));
-        points.map(|p| axes.y.place(p.1) - axes.y.place(level)).map(f64::abs).fold(f64::INFINITY, f64::min)
+        let points = chart.series.iter().flat_map(|s| &s.points).filter(|p| inside(axes.x.fraction(p.0)));
+        points.map(|p| axes.y.fraction(p.1) - axes.y.fraction(level)).map(f64::abs).fold(f64::INFINITY, f64::min)
     };
     clearance(|x| x > 0.55) >= clearance(|x| x < 0.45)
 }
@@ -52,7 +51,7 @@ pub(super) fn line(series: &Series, axes: &Axes, size: (f64, f64)) -> String {
             pen_down = false;
             continue;
         }
-        put(&mut path, if pen_down { 'L' } else { 'M' }, axes.place(point, size));
+        put(&mut path, if pen_down { 'L' } else { 'M' }, axes.in_box(point, size));
         pen_down = true;
     }
     path
@@ -68,10 +67,10 @@ pub(super) fn band(series: &Series, axes: &Axes, size: (f64, f64)) -> String {
     let mut path = String::new();
     for &i in &kept {
         let pen = if path.is_empty() { 'M' } else { 'L' };
-        put(&mut path, pen, axes.place((series.points[i].0, band[i].1), size));
+        put(&mut path, pen, axes.in_box((series.points[i].0, band[i].1), size));
     }
     for &i in kept.iter().rev() {
-        put(&mut path, 'L', axes.place((series.points[i].0, band[i].0), size));
+        put(&mut path, 'L', axes.in_box((series.points[i].0, band[i].0), size));
     }
     if !path.is_empty() {
         path.push('Z');

@@ -1,23 +1,22 @@
-//! Episodes as callers give them, and as the page carries them.
+//! Episodes as callers pass them.
 
+use super::error::ReportError;
 use serde::{Deserialize, Serialize};
 
-use super::ReportError;
-
-/// One flight, step by step.
+/// A recorded episode, step by step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Episode {
-    /// What flies where: `GCN, int8, world 10`.
+    /// Policy and world: `GCN, int8, world 10`.
     pub title: String,
     /// Side of the square map, u.
     pub side_u: f32,
-    /// A PoI this near a UAV is covered, u.
+    /// Coverage range, u.
     pub coverage_range_u: f32,
-    /// A PoI this near is seen, u.
+    /// Observation range, u.
     pub observation_range_u: f32,
-    /// UAVs this near each other are linked, u.
+    /// Communication range, u.
     pub communication_range_u: f32,
-    /// Places of the PoIs, u east and north.
+    /// Positions of the PoIs, (east, north) in u.
     pub pois: Vec<[f32; 2]>,
     /// What the action indices mean; may be empty.
     pub action_names: Vec<String>,
@@ -28,10 +27,10 @@ pub struct Episode {
 /// The state after one step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
-    /// Places of the UAVs, u east and north; NaN for one that is not there.
+    /// Positions of the UAVs, (east, north) in u; NaN for one that is not there.
     pub uavs: Vec<[f32; 2]>,
-    /// Pairs of UAVs that hear each other.
-    pub links: Vec<[u16; 2]>,
+    /// Edges of the communication graph: pairs of UAVs in range of each other.
+    pub edges: Vec<[u16; 2]>,
     /// Whether each PoI is covered now.
     pub covered: Vec<bool>,
     /// Share of the PoIs covered now, 0 to 1.
@@ -56,7 +55,7 @@ impl Episode {
         if scored.is_empty() { 0.0 } else { scored.iter().map(|f| f.coverage).sum::<f32>() / scored.len() as f32 }
     }
 
-    /// Whether lists that belong together agree.
+    /// Checks that its numbers are finite and its lists agree in length.
     pub(super) fn check(&self) -> Result<(), ReportError> {
         let episode = || self.title.clone();
         let number = |what, positive| ReportError::Number { episode: episode(), what, positive };
@@ -70,7 +69,7 @@ impl Episode {
             return Err(number(what, true));
         }
         if !self.pois.iter().flatten().all(|c| c.is_finite()) {
-            return Err(number("the place of every PoI", false));
+            return Err(number("the position of every PoI", false));
         }
         let uavs = self.frames.first().ok_or_else(|| ReportError::NoFrames { episode: episode() })?.uavs.len();
         for (step, frame) in self.frames.iter().enumerate() {
@@ -85,8 +84,8 @@ impl Episode {
             if !frame.actions.is_empty() && frame.actions.len() != uavs {
                 return Err(length("actions", frame.actions.len(), uavs));
             }
-            if let Some(&link) = frame.links.iter().find(|l| l.iter().any(|&i| usize::from(i) >= uavs)) {
-                return Err(ReportError::Link { episode: episode(), step, link, uavs });
+            if let Some(&edge) = frame.edges.iter().find(|l| l.iter().any(|&i| usize::from(i) >= uavs)) {
+                return Err(ReportError::Edge { episode: episode(), step, edge, uavs });
             }
             if !frame.coverage.is_finite() {
                 return Err(number("the coverage of every step", false));
@@ -94,62 +93,4 @@ impl Episode {
         }
         Ok(())
     }
-
-    /// The episode in the page's short form.
-    pub(super) fn compact(&self) -> Compact<'_> {
-        let frame = |f: &Frame| CompactFrame {
-            uavs: hundredths(&f.uavs),
-            links: f.links.iter().flatten().copied().collect(),
-            covered: bits(&f.covered),
-            coverage: (f64::from(f.coverage) * 1e4).round() / 1e4,
-            actions: f.actions.clone(),
-        };
-        Compact {
-            title: &self.title,
-            side: self.side_u,
-            ranges: [self.coverage_range_u, self.observation_range_u, self.communication_range_u],
-            pois: hundredths(&self.pois),
-            actions: &self.action_names,
-            frames: self.frames.iter().map(frame).collect(),
-        }
-    }
-}
-
-/// See `docs/report.md`, "Episodes in the page".
-#[derive(Serialize)]
-pub(super) struct Compact<'a> {
-    title: &'a str,
-    side: f32,
-    ranges: [f32; 3],
-    pois: Vec<Option<i32>>,
-    actions: &'a [String],
-    frames: Vec<CompactFrame>,
-}
-
-#[derive(Serialize)]
-struct CompactFrame {
-    #[serde(rename = "p")]
-    uavs: Vec<Option<i32>>,
-    #[serde(rename = "l")]
-    links: Vec<u16>,
-    #[serde(rename = "c")]
-    covered: String,
-    #[serde(rename = "v")]
-    coverage: f64,
-    #[serde(rename = "a", skip_serializing_if = "Vec::is_empty")]
-    actions: Vec<u8>,
-}
-
-/// Coordinates in hundredths of a unit, x and y in turn; null where not finite.
-fn hundredths(places: &[[f32; 2]]) -> Vec<Option<i32>> {
-    places.iter().flatten().map(|c| c.is_finite().then_some((c * 100.0).round() as i32)).collect()
-}
-
-/// Four flags a hexadecimal digit, the first in the lowest bit.
-fn bits(flags: &[bool]) -> String {
-    let digit = |four: &[bool]| {
-        let value = four.iter().enumerate().map(|(i, &on)| u32::from(on) << i).sum();
-        char::from_digit(value, 16).unwrap_or('0')
-    };
-    flags.chunks(4).map(digit).collect()
 }

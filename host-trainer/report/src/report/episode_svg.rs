@@ -1,12 +1,12 @@
-//! One moment of an episode as a picture, for documents.
+//! One step of an episode as a picture, for documents.
 
 use std::fmt::Write;
 
-use super::ReportError;
-use super::axis::number;
-use super::chart_svg::STYLE;
 use super::episode::Episode;
+use super::error::ReportError;
 use super::escape::Escaped;
+use super::number::number;
+use super::picture::STYLE;
 
 /// Side of the map in the picture.
 const SIDE: f32 = 600.0;
@@ -60,8 +60,8 @@ pub fn episode_svg(episode: &Episode, step: usize) -> Result<String, ReportError
     }
     out += "\"/>";
     trails(&mut out, episode, step, at);
-    out += "<path class=\"link\" d=\"";
-    for [a, b] in &frame.links {
+    out += "<path class=\"edge\" d=\"";
+    for [a, b] in &frame.edges {
         let [a, b] = [a, b].map(|&i| frame.uavs[usize::from(i)]);
         if there(&a) && there(&b) {
             let ((x1, y1), (x2, y2)) = (at(a), at(b));

@@ -1,4 +1,4 @@
-//! Text made safe inside HTML, SVG and scripts.
+//! Escaping of text in HTML, SVG and scripts.
 
 use std::fmt;
 

@@ -1,10 +1,14 @@
-//! The page around the sections.
+//! The report as one HTML page.
 
-use std::fmt::Write;
-
-use super::chart_html::{Palette, charts};
+use super::chart_html::charts;
+use super::error::ReportError;
 use super::escape::Escaped;
-use super::{Content, Figure, Group, Report, ReportError, Section, player, table};
+use super::model::{Content, Figure, Group, Report, Section};
+use super::palette::Palette;
+use super::{player, table};
+use crate::atomic;
+use std::fmt::Write;
+use std::path::Path;
 
 const STYLE: &str = include_str!("../assets/page.css");
 /// First in the page, so that it counts the errors of all that follows.
@@ -16,7 +20,30 @@ const PLAYER: &str = include_str!("../assets/player.js");
 /// Forbids every request: the page has all it needs, and no text in it can call out.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
 
-pub(super) fn html(report: &Report) -> Result<String, ReportError> {
+impl Report {
+    /// The page as HTML.
+    ///
+    /// # Errors
+    /// [`ReportError`] when parts of the report contradict each other.
+    pub fn html(&self) -> Result<String, ReportError> {
+        html(self)
+    }
+
+    /// Writes the page to `path` atomically ([`atomic::write`]), and creates its folder if there is none.
+    ///
+    /// # Errors
+    /// As [`Report::html`], and [`ReportError::Write`] or [`ReportError::Folder`].
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), ReportError> {
+        let html = self.html()?;
+        if let Some(folder) = path.as_ref().parent().filter(|f| !f.as_os_str().is_empty()) {
+            std::fs::create_dir_all(folder)
+                .map_err(|source| ReportError::Folder { folder: folder.display().to_string(), source })?;
+        }
+        Ok(atomic::write(path, html.as_bytes())?)
+    }
+}
+
+fn html(report: &Report) -> Result<String, ReportError> {
     let mut palette = Palette::default();
     let mut body = String::new();
     for (index, section) in report.sections.iter().enumerate() {

@@ -1,10 +1,10 @@
-//! The player's controls; `assets/player.js` brings them to life.
+//! The HTML of the episode player; its behaviour is in `assets/player.js`.
 
-use std::fmt::Write;
-
-use super::ReportError;
-use super::episode::{Compact, Episode};
+use super::episode::Episode;
+use super::episode_json::EpisodeJson;
+use super::error::ReportError;
 use super::escape::{Escaped, script_json};
+use std::fmt::Write;
 
 /// One player for all `episodes` of section `number`.
 pub(super) fn html(number: usize, episodes: &[Episode]) -> Result<String, ReportError> {
@@ -12,7 +12,7 @@ pub(super) fn html(number: usize, episodes: &[Episode]) -> Result<String, Report
     if episodes.is_empty() {
         return Ok("<p class=\"lead\">No episode was recorded.</p>".into());
     }
-    let data: Vec<Compact> = episodes.iter().map(Episode::compact).collect();
+    let data: Vec<EpisodeJson> = episodes.iter().map(EpisodeJson::from).collect();
     let mut choice = String::new();
     if episodes.len() > 1 {
         choice += "<div class=\"choice\" role=\"group\" aria-label=\"Episode\">";

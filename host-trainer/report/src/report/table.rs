@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use serde::{Deserialize, Serialize};
 
-use super::axis::number;
 use super::escape::Escaped;
+use super::number::number;
 
 /// Rows by columns, such as policies by metrics.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -27,11 +27,11 @@ pub struct Column {
     pub name: String,
     /// Unit; empty for none.
     pub unit: String,
-    /// Which value is the best one, to be marked.
+    /// Whether higher or lower values are better; the best one is marked.
     pub better: Better,
 }
 
-/// Which end of a scale is the good one.
+/// Whether higher or lower values are better.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Better {
     /// Neither: nothing is marked.
@@ -115,8 +115,8 @@ fn decimals_of_error(error: f64, decimals: usize) -> usize {
     }
 }
 
-/// Roles are spelt out because on a phone the rows are laid out as cards, which
-/// takes the table's own roles away.
+/// The table as HTML. ARIA roles are written out because style sheets that lay the rows out as cards, for phones,
+/// remove the table's own roles.
 pub(super) fn html(table: &Table) -> String {
     // Many columns become cards on a tablet already.
     let wide = if table.columns.len() > 7 { " wide" } else { "" };
@@ -173,7 +173,7 @@ fn best(table: &Table, column: usize) -> Option<f64> {
     (values.len() > 1 && values.iter().any(|v| *v != best)).then_some(best)
 }
 
-/// The figure rounded as the reader sees it.
+/// The figure as it is shown, that is rounded.
 fn shown(value: &Estimate) -> Option<f64> {
     let scale = 10f64.powi(i32::try_from(value.decimals).unwrap_or(0));
     value.mean.is_finite().then(|| (value.mean * scale).round() / scale)

@@ -29,7 +29,7 @@ pub(super) fn flown(index: u64, world: &World, flight: &WorldFlight) -> Episode 
                 let all: Option<Vec<u8>> = decisions.iter().map(|d| d.map(|d| d.action)).collect();
                 all.unwrap_or_default()
             });
-        Frame { links: links(flight, step, &uavs), uavs, covered, coverage, actions }
+        Frame { edges: links(flight, step, &uavs), uavs, covered, coverage, actions }
     };
     Episode {
         action_names: Action::all().map(action_name).collect(),
@@ -76,7 +76,7 @@ pub(super) fn trained(sim: &Simulation<'_>, index: u64, world: &mut World) -> Ep
     let pair = |&(x, y): &(f32, f32)| [x, y];
     let frame = |f: &EnvFrame| Frame {
         uavs: f.uavs.iter().map(pair).collect(),
-        links: f.links.iter().map(|&(a, b)| [a, b]).collect(),
+        edges: f.edges.iter().map(|&(a, b)| [a, b]).collect(),
         covered: f.covered.clone(),
         coverage: f.coverage as f32,
         actions: Vec::new(),

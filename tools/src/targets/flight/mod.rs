@@ -131,7 +131,7 @@ fn mission<S: Read + Write>(board: &mut Client<S>, mut disturb: impl FnMut(&[u8]
     }
     board.self_test()?;
     board.status()?;
-    let signature = board.signature(200, 100, |_| ())?;
+    let signature = board.fingerprint(200, 100, |_| ())?;
     Ok(Log { decisions, signature })
 }
 
