@@ -36,18 +36,18 @@ impl<'l> Parameters<'l> {
 
     /// The weights of this name, `[inputs, outputs]`.
     fn weights(&self, name: &str) -> Tensor<2> {
-        let p = self.piece(name);
+        let p = self.block(name);
         self.flat.clone().narrow(0, p.start, p.len()).reshape([p.inputs, p.outputs])
     }
 
     /// The bias of this name, `[outputs]`.
     fn bias(&self, name: &str) -> Tensor<1> {
-        let p = self.piece(name);
+        let p = self.block(name);
         self.flat.clone().narrow(0, p.start, p.len())
     }
 
-    fn piece(&self, name: &str) -> &ParameterBlock {
-        self.layout.pieces().iter().find(|p| p.name == name).unwrap_or_else(|| panic!("no piece {name}"))
+    fn block(&self, name: &str) -> &ParameterBlock {
+        self.layout.blocks().iter().find(|p| p.name == name).unwrap_or_else(|| panic!("no block {name}"))
     }
 
     /// `x·W + b`.

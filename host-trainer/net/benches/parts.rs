@@ -2,7 +2,7 @@
 
 mod work;
 
-use covey_net::kernel::{Finish, Product, Start};
+use covey_net::kernel::{Epilogue, Init, Product};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use firmware_core::actor::{Actor, Aggregation};
 use work::{Environment, Flight, Networks, large};
@@ -70,7 +70,7 @@ fn products(c: &mut Criterion) {
             let (mut out, mut active) = (vec![0.0; ROWS * columns], vec![0; ROWS]);
             group.throughput(Throughput::Elements(counted));
             group.bench_function(format!("{terms}x{columns}, {percent} % count"), |b| {
-                b.iter(|| product.run(Start::Zero, Finish::Relu { masks: &mut active, step: 1 }, &mut out, columns));
+                b.iter(|| product.run(Init::Zero, Epilogue::Relu { masks: &mut active, step: 1 }, &mut out, columns));
             });
         }
     }

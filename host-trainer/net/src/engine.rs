@@ -1,5 +1,6 @@
 //! The seam behind which the networks may be computed elsewhere: on a GPU.
 
+use crate::actor_critic::ActorCritic;
 use crate::matrix::Rows;
 use covey_env::Neighbourhood;
 use firmware_core::action::ACTIONS;
@@ -14,7 +15,15 @@ pub struct GraphBatch<'s> {
     /// Observations in the compact form, world-step by world-step.
     pub observations: &'s [Observation],
     /// Kept neighbours, as `observations`.
-    pub links: &'s [Neighbourhood],
+    pub neighbours: &'s [Neighbourhood],
+}
+
+impl GraphBatch<'_> {
+    /// Number of world-steps.
+    #[must_use]
+    pub const fn world_steps(&self) -> usize {
+        self.neighbours.len() / self.uavs
+    }
 }
 
 /// Logits and normalised values of some world-steps, a row a UAV; in their places
@@ -37,7 +46,7 @@ impl Default for Outputs {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum EngineError {
     /// The device gave up: most often its memory is full.
-    #[error("{device} failed: {why}; with fewer `worlds` or a smaller `minibatch` it needs less memory")]
+    #[error("{device} failed: {why}; with a smaller `num_envs` or `minibatch` it needs less memory")]
     Failed {
         /// The engine.
         device: String,
@@ -73,7 +82,7 @@ pub trait Engine: Send {
     fn name(&self) -> String;
 
     /// Takes the parameters of actor and critic.
-    fn load(&mut self, parameters: [&[f32]; 2]);
+    fn load(&mut self, parameters: ActorCritic<&[f32]>);
 
     /// Computes logits and values of world-steps, one after the other.
     ///
@@ -94,6 +103,6 @@ pub trait Engine: Send {
         world_steps: &[u32],
         out: &mut Outputs,
         loss: &mut dyn FnMut(&mut Outputs),
-        gradients: &mut [Vec<f32>; 2],
+        gradients: &mut ActorCritic<Vec<f32>>,
     ) -> Result<(), EngineError>;
 }

@@ -53,14 +53,14 @@ struct Named<'p> {
 }
 
 impl Named<'_> {
-    fn piece(&self, name: &str) -> &[f64] {
-        let p = self.layout.pieces().iter().find(|p| p.name == name).unwrap_or_else(|| panic!("no piece {name}"));
+    fn block(&self, name: &str) -> &[f64] {
+        let p = self.layout.blocks().iter().find(|p| p.name == name).unwrap_or_else(|| panic!("no block {name}"));
         &self.values[p.start..p.start + p.len()]
     }
 
     /// `x·W`.
     fn times(&self, x: &[f64], weights: &str) -> Vec<f64> {
-        let w = self.piece(weights);
+        let w = self.block(weights);
         let outputs = w.len() / x.len();
         assert_eq!(w.len(), outputs * x.len(), "{weights}");
         (0..outputs).map(|o| x.iter().enumerate().map(|(i, x)| x * w[i * outputs + o]).sum()).collect()
@@ -68,7 +68,7 @@ impl Named<'_> {
 
     /// `x·W + b`.
     fn dense(&self, x: &[f64], weights: &str) -> Vec<f64> {
-        sum(self.times(x, weights), self.piece(&format!("{weights} bias")))
+        sum(self.times(x, weights), self.block(&format!("{weights} bias")))
     }
 
     fn encode(&self, observation: &Observation) -> Vec<f64> {
@@ -95,7 +95,7 @@ fn weights(p: &Named<'_>, aggregation: Aggregation, h: &[Vec<f64>], links: &[Nei
     if aggregation == Aggregation::Gcn {
         return (0..h.len()).map(|j| if linked(i, j) { 1.0 / (degree(i) * degree(j)).sqrt() } else { 0.0 }).collect();
     }
-    let a = [p.piece("attention receiver"), p.piece("attention sender")].concat();
+    let a = [p.block("attention receiver"), p.block("attention sender")].concat();
     let score = |j: usize| {
         let both = [p.times(&h[i], "graph"), p.times(&h[j], "graph")].concat();
         let s: f64 = both.iter().zip(&a).map(|(x, a)| x * a).sum();
@@ -114,14 +114,14 @@ fn actor(p: &Named<'_>, aggregation: Aggregation, observations: &[Observation], 
         let mut head = p.times(own, "head own");
         if aggregation != Aggregation::None {
             // σ(Σ_j weight_ij·h_j·W): equations (5) and (7).
-            let mut y = p.piece("graph bias").to_vec();
+            let mut y = p.block("graph bias").to_vec();
             for (weight, h) in weights(p, aggregation, &h, links, i).into_iter().zip(&h) {
                 let part: Vec<f64> = p.times(h, "graph").into_iter().map(|v| weight * v).collect();
                 y = sum(y, &part);
             }
             head = sum(head, &p.times(&relu(y), "head aggregate"));
         }
-        logits.extend(p.dense(&relu(sum(head, p.piece("head bias"))), "output"));
+        logits.extend(p.dense(&relu(sum(head, p.block("head bias"))), "output"));
     }
     logits
 }
@@ -130,7 +130,7 @@ fn actor(p: &Named<'_>, aggregation: Aggregation, observations: &[Observation], 
 fn critic(p: &Named<'_>, observations: &[Observation]) -> Vec<f64> {
     let e: Vec<Vec<f64>> = observations.iter().map(|o| p.encode(o)).collect();
     let mean: Vec<f64> = (0..e[0].len()).map(|k| e.iter().map(|e| e[k]).sum::<f64>() / e.len() as f64).collect();
-    let shared = sum(p.times(&mean, "head mean"), p.piece("head bias"));
+    let shared = sum(p.times(&mean, "head mean"), p.block("head bias"));
     e.iter().flat_map(|own| p.dense(&relu(sum(p.times(own, "head own"), &shared)), "output")).collect()
 }
 
@@ -149,7 +149,7 @@ struct Critic;
 
 /// The numbers of all rows; then `coefficients` stand there.
 fn exchange(rows: &mut Rows, coefficients: &[f64]) -> Vec<f32> {
-    let (step, width) = (rows.step(), rows.width());
+    let (step, width) = (rows.stride(), rows.width());
     let mut out = Vec::new();
     for (row, c) in rows.values_mut().chunks_exact_mut(step).zip(coefficients.chunks_exact(width)) {
         out.extend_from_slice(&row[..width]);
@@ -235,19 +235,19 @@ fn check(net: &impl Network) {
     };
     let steepest = slopes.iter().fold(0.0f32, |m, s| m.max(s.abs()));
     let aside = 1e-6;
-    for piece in layout.pieces() {
+    for block in layout.blocks() {
         let mut moved = false;
-        for k in piece.start..piece.start + piece.len() {
+        for k in block.start..block.start + block.len() {
             let mut values = exact.clone();
             values[k] += aside;
             let above = total(&values);
             values[k] -= 2.0 * aside;
             let slope = (above - total(&values)) / (2.0 * aside);
             let error = (slope - f64::from(slopes[k])).abs();
-            assert!(error < 1e-5 * f64::from(1.0 + steepest), "{} {k}: {}, not {slope}", piece.name, slopes[k]);
+            assert!(error < 1e-5 * f64::from(1.0 + steepest), "{} {k}: {}, not {slope}", block.name, slopes[k]);
             moved |= slope.abs() > 1e-3;
         }
-        assert!(moved, "{}: nothing depends on it", piece.name);
+        assert!(moved, "{}: nothing depends on it", block.name);
     }
 }
 

@@ -7,7 +7,7 @@ use covey_env::baselines::Centroid;
 use covey_env::{ActorPolicy, Neighbourhood, Observer, Policy, Scenario, World};
 use covey_net::{
     ActorGradient, ActorNet, ActorPass, CriticGradient, CriticNet, CriticPass, Inputs, ParameterLayout, initialise,
-    worlds_in_pass,
+    micro_batch_size,
 };
 use firmware_core::action::{ACTIONS, Action};
 use firmware_core::actor::{Actor, Aggregation, Dimensions, Mode};
@@ -139,13 +139,13 @@ impl Networks {
             observations,
             links,
         };
-        networks.see(0..world_steps.min(worlds_in_pass(UAVS, world_steps)));
+        networks.see(0..world_steps.min(micro_batch_size(UAVS, world_steps)));
         networks
     }
 
     /// Samples of a pass.
     pub fn pass(&self) -> u64 {
-        self.inputs.links().len() as u64
+        self.inputs.neighbours().len() as u64
     }
 
     /// Samples of a minibatch.
@@ -188,7 +188,7 @@ impl Networks {
         self.actor_gradient.clear();
         self.critic_gradient.clear();
         let world_steps = self.observations.len() / UAVS;
-        let pass = worlds_in_pass(UAVS, world_steps);
+        let pass = micro_batch_size(UAVS, world_steps);
         for first in (0..world_steps).step_by(pass) {
             self.see(first..(first + pass).min(world_steps));
             self.actor_gradient();
@@ -205,15 +205,15 @@ fn slopes(outputs: &mut [f32]) {
 /// Fresh weights with biases that let through as much as those of a trained network.
 fn parameters(layout: &ParameterLayout) -> Vec<f32> {
     let mut values = initialise(layout, "work", 1);
-    for piece in layout.pieces() {
-        let bias = match piece.name {
+    for block in layout.blocks() {
+        let bias = match block.name {
             "encoder1 bias" => 0.05,
             "encoder2 bias" => 0.45,
             "graph bias" => 0.15,
             "head bias" => 1.0,
             _ => 0.0,
         };
-        values[piece.start..piece.start + piece.len()].iter_mut().for_each(|v| *v += bias);
+        values[block.start..block.start + block.len()].iter_mut().for_each(|v| *v += bias);
     }
     values
 }
