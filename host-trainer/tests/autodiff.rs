@@ -1,5 +1,5 @@
-//! The networks by hand against the same in burn, whose autodiff computes the gradients:
-//! full size, ragged links, with and without a graph.
+//! The networks written by hand against the same in burn, whose autodiff computes the gradients:
+//! full size, neighbourhoods of all sizes, with and without a graph.
 
 use covey_burn::{BurnEngine, Kind};
 use covey_env::baselines::Centroid;
@@ -29,7 +29,7 @@ fn situations() -> (Vec<Observation>, Vec<Neighbourhood>) {
     let scenario =
         Scenario { uavs: UAVS, pois: 120, side_u: 120.0, steps: 100, distribution: PoiDistribution::Clustered };
     let mut world = World::new(&scenario).expect("a scenario");
-    let (mut observations, mut links) = (Vec::new(), Vec::new());
+    let (mut observations, mut neighbours) = (Vec::new(), Vec::new());
     for k in 0..WORLDS {
         world.reset(5, k as u64);
         let (mut policy, mut actions) = (Centroid::new(1, k as u64), [Action::COAST; UAVS]);
@@ -41,18 +41,18 @@ fn situations() -> (Vec<Observation>, Vec<Neighbourhood>) {
         let (mut o, mut l) = ([[0; LEN]; UAVS], [Neighbourhood::default(); UAVS]);
         Observer::new(9, 1).observe(&world, &mut o, &mut l);
         observations.extend(o);
-        links.extend(l);
+        neighbours.extend(l);
     }
-    let degrees: Vec<u8> = links.iter().map(|l| l.count).collect();
-    assert!((0..6).all(|d| degrees.contains(&d)), "links of all kinds: {degrees:?}");
-    (observations, links)
+    let degrees: Vec<u8> = neighbours.iter().map(|l| l.count).collect();
+    assert!((0..6).all(|d| degrees.contains(&d)), "neighbourhoods of all sizes: {degrees:?}");
+    (observations, neighbours)
 }
 
 /// The numbers of all rows; then `weights` stand there.
 fn exchange(rows: &mut Rows, weights: &[f32]) -> Vec<f32> {
-    let (step, width) = (rows.stride(), rows.width());
+    let (stride, width) = (rows.stride(), rows.width());
     let mut out = Vec::new();
-    for (row, w) in rows.values_mut().chunks_exact_mut(step).zip(weights.chunks_exact(width)) {
+    for (row, w) in rows.values_mut().chunks_exact_mut(stride).zip(weights.chunks_exact(width)) {
         out.extend_from_slice(&row[..width]);
         row[..width].copy_from_slice(w);
     }
@@ -102,7 +102,7 @@ fn by_hand(
     Found { outputs, gradients }
 }
 
-/// The same in burn, with the world-steps held in another order and among others, as in a minibatch.
+/// The same in burn, with the world-steps loaded in another order and among others, as in a minibatch.
 fn in_burn(
     layouts: &ActorCritic<ParameterLayout>,
     aggregation: Aggregation,
@@ -110,14 +110,14 @@ fn in_burn(
     batch: GraphBatch<'_>,
 ) -> Found {
     let mut engine = BurnEngine::open(Kind::Flex, layouts.clone(), aggregation).expect("a CPU");
-    engine.load(parameters);
+    engine.load_parameters(parameters);
     let step = |k: usize| GraphBatch {
         uavs: UAVS,
         observations: &batch.observations[k * UAVS..(k + 1) * UAVS],
         neighbours: &batch.neighbours[k * UAVS..(k + 1) * UAVS],
     };
-    let held: Vec<GraphBatch<'_>> = (0..WORLDS).rev().flat_map(|k| [step(k), step(0)]).collect();
-    engine.hold(&held);
+    let rollout: Vec<GraphBatch<'_>> = (0..WORLDS).rev().flat_map(|k| [step(k), step(0)]).collect();
+    engine.load_rollout(&rollout);
     let order: Vec<u32> = (0..WORLDS as u32).map(|k| 2 * (WORLDS as u32 - 1 - k)).collect();
     let (mut out, mut gradients) = (Outputs::default(), ActorCritic::default());
     let mut outputs = ActorCritic::default();
@@ -154,7 +154,7 @@ fn assert_near(what: &str, got: &[f32], wanted: &[f32], tolerance: f32) {
 }
 
 fn check(aggregation: Aggregation) {
-    let (observations, links) = situations();
+    let (observations, neighbours) = situations();
     let layouts = ActorCritic {
         actor: ParameterLayout::actor(DIMENSIONS, aggregation),
         critic: ParameterLayout::critic(DIMENSIONS),
@@ -163,9 +163,9 @@ fn check(aggregation: Aggregation) {
     let parameters = ActorCritic { actor: &values.actor[..], critic: &values.critic[..] };
     let mut inputs = Inputs::new(LEN);
     inputs.clear(UAVS);
-    inputs.push(&observations, &links);
+    inputs.push(&observations, &neighbours);
     let got = by_hand(&layouts, aggregation, parameters, &inputs);
-    let batch = GraphBatch { uavs: UAVS, observations: &observations, neighbours: &links };
+    let batch = GraphBatch { uavs: UAVS, observations: &observations, neighbours: &neighbours };
     let wanted = in_burn(&layouts, aggregation, parameters, batch);
     assert_alike(
         aggregation.name(),

@@ -1,4 +1,4 @@
-//! Training with the networks in burn, here on its CPU device, beside the networks by hand.
+//! Training with the networks in burn, here on its CPU device, beside those written by hand.
 
 mod common;
 
@@ -96,8 +96,8 @@ impl Engine for Broken {
         "broken".to_owned()
     }
 
-    fn load(&mut self, parameters: ActorCritic<&[f32]>) {
-        self.inner.load(parameters);
+    fn load_parameters(&mut self, parameters: ActorCritic<&[f32]>) {
+        self.inner.load_parameters(parameters);
     }
 
     fn forward(&mut self, batches: &[GraphBatch<'_>], out: &mut Outputs) -> Result<(), EngineError> {
@@ -105,8 +105,8 @@ impl Engine for Broken {
         (self.spoil)(out, &mut ActorCritic::default())
     }
 
-    fn hold(&mut self, batches: &[GraphBatch<'_>]) {
-        self.inner.hold(batches);
+    fn load_rollout(&mut self, batches: &[GraphBatch<'_>]) {
+        self.inner.load_rollout(batches);
     }
 
     fn gradient(

@@ -16,8 +16,8 @@ pub struct BurnEngine {
     inputs: usize,
     /// Flat parameter vectors.
     parameters: ActorCritic<Tensor<1>>,
-    /// World-steps that gradients are asked for.
-    held: Option<Packed>,
+    /// The world-steps of a rollout, for gradients.
+    rollout: Option<Packed>,
 }
 
 impl BurnEngine {
@@ -30,7 +30,7 @@ impl BurnEngine {
         let (device, name) = kind.open()?;
         let parameters = layouts.as_ref().map(|layout| Tensor::zeros([layout.len()], &device));
         let (inputs, _) = layouts.actor.shape("encoder1");
-        Ok(Self { device, name, layouts, aggregation, inputs, parameters, held: None })
+        Ok(Self { device, name, layouts, aggregation, inputs, parameters, rollout: None })
     }
 
     /// Logits, `[rows, 17]`, of the actor and values, `[rows, 1]`, of the critic with these
@@ -63,7 +63,7 @@ impl Engine for BurnEngine {
         self.name.clone()
     }
 
-    fn load(&mut self, parameters: ActorCritic<&[f32]>) {
+    fn load_parameters(&mut self, parameters: ActorCritic<&[f32]>) {
         self.parameters = parameters.map(|p| Tensor::from_data(TensorData::from(p), &self.device));
     }
 
@@ -75,10 +75,10 @@ impl Engine for BurnEngine {
         Ok(())
     }
 
-    fn hold(&mut self, batches: &[GraphBatch<'_>]) {
+    fn load_rollout(&mut self, batches: &[GraphBatch<'_>]) {
         // Before the new ones: both may not fit.
-        self.held = None;
-        self.held = Some(Packed::new(batches, &self.device));
+        self.rollout = None;
+        self.rollout = Some(Packed::new(batches, &self.device));
     }
 
     fn gradient(
@@ -88,9 +88,9 @@ impl Engine for BurnEngine {
         loss: &mut dyn FnMut(&mut Outputs),
         gradients: &mut ActorCritic<Vec<f32>>,
     ) -> Result<(), EngineError> {
-        let held = self.held.as_ref().expect("world-steps are held before gradients are asked for");
+        let rollout = self.rollout.as_ref().expect("a rollout is loaded before gradients are asked for");
         let leaves = self.parameters.clone().map(|p| p.autodiff().require_grad());
-        let outputs = self.outputs(&leaves, &held.select(world_steps));
+        let outputs = self.outputs(&leaves, &rollout.select(world_steps));
         let numbers = self.read(outputs.clone().map(Tensor::inner))?;
         fill(&mut out.logits, &numbers.actor);
         fill(&mut out.values, &numbers.critic);

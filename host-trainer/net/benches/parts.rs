@@ -24,23 +24,23 @@ fn environment(c: &mut Criterion) {
 }
 
 fn networks(c: &mut Criterion) {
-    let mut group = c.benchmark_group("pass");
+    let mut group = c.benchmark_group("micro-batch");
     for aggregation in [Aggregation::None, Aggregation::Gcn, Aggregation::Gat] {
         let mut networks = Networks::new(aggregation, MINIBATCH);
         let name = aggregation.name();
-        group.throughput(Throughput::Elements(networks.pass()));
+        group.throughput(Throughput::Elements(networks.micro_batch()));
         group.bench_function(format!("actor forward, {name}"), |b| b.iter(|| networks.actor_forward()));
         group.bench_function(format!("actor gradient, {name}"), |b| b.iter(|| networks.actor_gradient()));
     }
     let mut networks = Networks::new(Aggregation::Gcn, MINIBATCH);
-    group.throughput(Throughput::Elements(networks.pass()));
+    group.throughput(Throughput::Elements(networks.micro_batch()));
     group.bench_function("critic forward", |b| b.iter(|| networks.critic_forward()));
     group.bench_function("critic gradient", |b| b.iter(|| networks.critic_gradient()));
     group.throughput(Throughput::Elements(networks.samples()));
     group.bench_function("gradients of a minibatch, gcn", |b| b.iter(|| networks.minibatch()));
 }
 
-/// Products of the layers' shapes for a pass of 120 samples, by the share of values that count.
+/// Products of the layers' shapes for a micro-batch of 120 samples, by the share of values that count.
 fn products(c: &mut Criterion) {
     const ROWS: usize = 120;
     let mut group = c.benchmark_group("product");

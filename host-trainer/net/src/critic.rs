@@ -50,7 +50,7 @@ pub struct CriticPass {
     encoder: EncoderPass,
     /// Mean feature, a row a world.
     mean: Rows,
-    /// What a world's UAVs share before the head's ReLU, and its gradient.
+    /// The mean's part of the head before its ReLU, a row a world; then the gradient by it.
     shared: Rows,
     by_mean: Rows,
     head: Rows,
@@ -80,11 +80,11 @@ impl CriticPass {
         let feature = &self.encoder.feature;
         self.mean.resize(feature.rows() / inputs.uavs());
         let scale = (inputs.uavs() as f32).recip();
-        vectorised(SumWorlds { rows: feature, uavs: inputs.uavs(), scale, sums: &mut self.mean });
+        vectorised(SumOverUavs { rows: feature, uavs: inputs.uavs(), scale, sums: &mut self.mean });
         self.mean.fill_masks();
         net.mean.forward(&self.mean, net.head_bias.init(), Activation::Identity, &mut self.shared);
         self.head.resize(feature.rows());
-        vectorised(Share { rows: &mut self.head, uavs: inputs.uavs(), scale: None, shared: &self.shared });
+        vectorised(BroadcastToUavs { rows: &mut self.head, uavs: inputs.uavs(), scale: None, shared: &self.shared });
         net.own.forward(feature, Init::Accumulate, Activation::Relu, &mut self.head);
         net.output.forward(&self.head, Activation::Identity, &mut self.values);
     }
@@ -98,7 +98,7 @@ impl CriticPass {
         sum.output.add_weights(&self.head, &self.values);
         sum.output_bias.add_bias(&self.values);
         net.output.backward(&self.values, Activation::ReluGradient(&self.head), &mut self.by_head);
-        vectorised(SumWorlds { rows: &self.by_head, uavs, scale: 1.0, sums: &mut self.shared });
+        vectorised(SumOverUavs { rows: &self.by_head, uavs, scale: 1.0, sums: &mut self.shared });
         self.shared.fill_masks();
         sum.mean.add_weights(&self.mean, &self.shared);
         sum.head_bias.add_bias(&self.shared);
@@ -106,7 +106,7 @@ impl CriticPass {
         sum.own.add_weights(feature, &self.by_head);
         by_feature.resize(feature.rows());
         let scale = Some((uavs as f32).recip());
-        vectorised(Share { rows: by_feature, uavs, scale, shared: &self.by_mean });
+        vectorised(BroadcastToUavs { rows: by_feature, uavs, scale, shared: &self.by_mean });
         net.own.backward(&self.by_head, Init::Accumulate, Activation::ReluGradient(feature), by_feature);
         self.encoder.backward(&net.encoder, inputs, &mut sum.encoder);
     }
@@ -136,14 +136,14 @@ impl CriticPass {
 }
 
 /// `sums[w] = scale · Σ rows` over the UAVs of world w.
-struct SumWorlds<'a> {
+struct SumOverUavs<'a> {
     rows: &'a Rows,
     uavs: usize,
     scale: f32,
     sums: &'a mut Rows,
 }
 
-impl Vectorised for SumWorlds<'_> {
+impl Vectorised for SumOverUavs<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -160,15 +160,15 @@ impl Vectorised for SumWorlds<'_> {
     }
 }
 
-/// Gives every UAV the row of its world, scaled if asked for.
-struct Share<'a> {
+/// Copies the row of each world to all its UAVs, times `scale` if there is one.
+struct BroadcastToUavs<'a> {
     rows: &'a mut Rows,
     uavs: usize,
     scale: Option<f32>,
     shared: &'a Rows,
 }
 
-impl Vectorised for Share<'_> {
+impl Vectorised for BroadcastToUavs<'_> {
     type Output = ();
 
     #[inline(always)]

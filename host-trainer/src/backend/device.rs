@@ -21,8 +21,8 @@ pub struct DeviceBackend {
 
 impl DeviceBackend {
     /// For a run with these settings, with the learner's parameters loaded. The device's numbers
-    /// for `batch` are compared with the CPU's: one whose driver computes something else must not
-    /// train.
+    /// for the last state of `worker`'s rollout are compared with the CPU's: a device whose driver
+    /// computes something else must not train.
     ///
     /// # Errors
     /// When devices do not take such a run, the device fails, or its numbers are wrong.
@@ -40,7 +40,7 @@ impl DeviceBackend {
         if let Some((_, setting)) = requirements.into_iter().find(|(met, _)| !met) {
             return Err(EngineError::Unsupported { device: engine.name(), setting });
         }
-        engine.load(learner.parameters());
+        engine.load_parameters(learner.parameters());
         let buffer = worker.buffer();
         check(&mut *engine, buffer.graph_batch(buffer.step(buffer.steps())), layouts, learner)?;
         Ok(Self {
@@ -59,7 +59,7 @@ impl Backend for DeviceBackend {
     }
 
     fn load_parameters(&mut self, learner: &Learner) {
-        self.engine.load(learner.parameters());
+        self.engine.load_parameters(learner.parameters());
     }
 
     fn collect(
@@ -97,7 +97,7 @@ impl Backend for DeviceBackend {
     fn begin_update(&mut self, rollout: &RolloutBatch<'_>) {
         let batches: Vec<GraphBatch<'_>> =
             rollout.buffers().map(|buffer| buffer.graph_batch(0..buffer.steps() * buffer.agents())).collect();
-        self.engine.hold(&batches);
+        self.engine.load_rollout(&batches);
         let mut first = 0;
         self.first_world_steps.clear();
         for batch in &batches {
@@ -132,10 +132,10 @@ impl Backend for DeviceBackend {
 
 /// Takes rows off the front, with their padding, as many as asked for each time.
 fn split_rows<'r>(rows: &'r Rows) -> impl FnMut(usize) -> &'r [f32] {
-    let (mut rest, step) = (rows.values(), rows.stride());
+    let (mut rest, stride) = (rows.values(), rows.stride());
     move |count| {
-        let (part, behind) = rest.split_at(count * step);
+        let (front, behind) = rest.split_at(count * stride);
         rest = behind;
-        part
+        front
     }
 }

@@ -9,7 +9,7 @@ use covey_net::{ActorCritic, Engine, EngineError, GraphBatch, Inputs, Outputs, P
 const TOLERANCE: f32 = 0.02;
 
 /// Compares logits, values and gradients of a batch. The device must have the learner's
-/// parameters; it holds the batch afterwards.
+/// parameters; the batch is its rollout afterwards.
 ///
 /// # Errors
 /// When the device fails or its numbers are off.
@@ -34,7 +34,7 @@ pub fn check(
     engine.forward(&[batch], &mut outputs)?;
     compare(engine, "logits", outputs.logits.values(), expected.logits.values())?;
     compare(engine, "values", outputs.values.values(), expected.values.values())?;
-    engine.hold(&[batch]);
+    engine.load_rollout(&[batch]);
     let all: Vec<u32> = (0..batch.world_steps() as u32).collect();
     let mut backward = |out: &mut Outputs| {
         set_test_gradient(&mut out.logits);
@@ -56,8 +56,8 @@ fn compare(engine: &dyn Engine, what: &'static str, got: &[f32], expected: &[f32
 
 /// Overwrites rows by a gradient with all kinds of numbers in it, whole ones from −5 to 5.
 fn set_test_gradient(rows: &mut Rows) {
-    let (step, width) = (rows.stride(), rows.width());
-    for (r, row) in rows.values_mut().chunks_exact_mut(step).enumerate() {
+    let (stride, width) = (rows.stride(), rows.width());
+    for (r, row) in rows.values_mut().chunks_exact_mut(stride).enumerate() {
         row[..width].iter_mut().enumerate().for_each(|(c, v)| *v = ((7 * r + 5 * c) % 11) as f32 - 5.0);
         row[width..].fill(0.0);
     }

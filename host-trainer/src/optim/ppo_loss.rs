@@ -90,9 +90,9 @@ impl PpoLoss {
             #[inline(always)]
             fn call(self) {
                 let Self(loss, scale, logits, values, samples, sums) = self;
-                let value_step = values.stride();
+                let value_stride = values.stride();
                 let rows = logits.values_mut().chunks_exact_mut(PADDED_ACTIONS);
-                let rows = rows.zip(values.values_mut().chunks_exact_mut(value_step));
+                let rows = rows.zip(values.values_mut().chunks_exact_mut(value_stride));
                 for ((logits, value), sample) in rows.zip(samples) {
                     let (by_logits, by_value) = loss.sample(padded_row(logits), value[0], sample, scale, sums);
                     logits.copy_from_slice(&by_logits);

@@ -70,12 +70,13 @@ impl AttentionGradient {
     }
 }
 
-/// The scores of a micro-batch and, on the way back, their gradients.
+/// The scores of a micro-batch and, after the backward pass, the gradients by them.
 #[derive(Clone, Debug, Default)]
 pub struct AttentionScores {
     /// Slope of the leaky ReLU at the score of each edge.
     slopes: Vec<f32>,
-    /// `h·(W a₁)` and `h·(W a₂)` of each row; on the way back the gradients by them.
+    /// `h·(W a₁)` and `h·(W a₂)` of each row; after the backward pass the gradients by
+    /// them.
     halves: [Vec<f32>; 2],
 }
 

@@ -260,7 +260,7 @@ mod tests {
             // The masks name what is above zero.
             let nonzeros = (0..samples.len()).flat_map(|r| got.row(r)).filter(|v| **v > 0.0).count();
             prop_assert_eq!(got.nonzeros(), nonzeros as u64);
-            // On the way back.
+            // The backward pass.
             let mut g = Rows::new(columns);
             g.resize(samples.len());
             let stride = g.stride();

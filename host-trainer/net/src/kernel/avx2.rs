@@ -9,7 +9,7 @@ use std::arch::x86_64::{
     _mm256_storeu_ps,
 };
 
-/// Terms of a block: a word of marks, and so few weights that they stay in the first-level
+/// Terms of a block: a word of a mask, and so few weights that they stay in the first-level
 /// cache.
 const TERMS: usize = 64;
 
@@ -99,7 +99,7 @@ impl Block<'_> {
     }
 
     /// # Safety
-    /// As for [`Self::row`] and all rows.
+    /// As for [`Self::sparse_row`] and all rows.
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
     unsafe fn rows<const N: usize, const M: usize, const PACKED: bool, const SIDE_BY_SIDE: bool>(
         &self,
@@ -108,7 +108,7 @@ impl Block<'_> {
     ) {
         // Weight gradients of inputs that were zero throughout.
         let additive = matches!((&self.init, &epilogue), (Init::Accumulate, Epilogue::Identity));
-        let most = self.alone::<N>();
+        let most = self.sparse_limit::<N>();
         let (mut waiting, mut dense) = (0, [0; M]);
         for k in 0..rows + M {
             // Behind the last row, those that wait.
@@ -123,20 +123,20 @@ impl Block<'_> {
                 waiting += 1;
                 if waiting == M {
                     // SAFETY: as promised by the caller.
-                    unsafe { self.together::<N, M>(dense, epilogue) };
+                    unsafe { self.dense_rows::<N, M>(dense, epilogue) };
                     waiting = 0;
                 }
             } else if mask != 0 || !additive {
                 // SAFETY: as promised by the caller.
-                unsafe { self.row::<N, PACKED, SIDE_BY_SIDE>(r, mask, epilogue) };
+                unsafe { self.sparse_row::<N, PACKED, SIDE_BY_SIDE>(r, mask, epilogue) };
             }
         }
     }
 
-    /// So many values of a row may count for it to go alone. Measured: alone, it waits for the
+    /// Most values that may count in a row that goes alone, without its zeros. Measured: alone, it waits for the
     /// last addition to each sum, and with few sums that is most of its time.
     #[inline(always)]
-    const fn alone<const N: usize>(&self) -> usize {
+    const fn sparse_limit<const N: usize>(&self) -> usize {
         match N {
             8 => self.terms * 2 / 3,
             4 => self.terms * 2 / 5,
@@ -144,7 +144,7 @@ impl Block<'_> {
         }
     }
 
-    /// Marks of row r.
+    /// Mask of row r.
     #[inline(always)]
     fn mask(&self, r: usize) -> u64 {
         // Without terms there are no masks.
@@ -154,12 +154,12 @@ impl Block<'_> {
     /// Row r, without its zeros.
     ///
     /// # Safety
-    /// As for [`run`], with `N` vectors of columns in the block and a row r that has these
-    /// marks; if `PACKED`, rows of weights follow each other, and if `SIDE_BY_SIDE`, the values
+    /// As for [`run`], with `N` vectors of columns in the block and a row r that has this
+    /// mask; if `PACKED`, rows of weights follow each other, and if `SIDE_BY_SIDE`, the values
     /// of a row do.
     #[inline]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-    unsafe fn row<const N: usize, const PACKED: bool, const SIDE_BY_SIDE: bool>(
+    unsafe fn sparse_row<const N: usize, const PACKED: bool, const SIDE_BY_SIDE: bool>(
         &self,
         r: usize,
         mut mask: u64,
@@ -171,19 +171,19 @@ impl Block<'_> {
         // SAFETY: `check` saw that row r of every slice is within it, and `limit` drops bits
         // beyond the last term, so that every term is within too.
         unsafe {
-            let mut sums = self.begin::<N>(r, 0);
+            let mut sums = self.load_sums::<N>(r, 0);
             // Four at a time, counted: faster than bit by bit.
             for _ in 0..mask.count_ones() / 4 {
                 for _ in 0..4 {
-                    let i = take(&mut mask);
+                    let i = pop_lowest_bit(&mut mask);
                     add(&mut sums, values.add(i * step), weights.add(i * weight_step));
                 }
             }
             while mask != 0 {
-                let i = take(&mut mask);
+                let i = pop_lowest_bit(&mut mask);
                 add(&mut sums, values.add(i * step), weights.add(i * weight_step));
             }
-            self.end(sums, r, 0, epilogue);
+            self.store_sums(sums, r, 0, epilogue);
         }
     }
 
@@ -193,15 +193,15 @@ impl Block<'_> {
     /// As for [`run`], with `N` vectors of columns in the block and these rows.
     #[inline]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-    unsafe fn together<const N: usize, const M: usize>(&self, rows: [usize; M], epilogue: &mut Epilogue<'_>) {
+    unsafe fn dense_rows<const N: usize, const M: usize>(&self, rows: [usize; M], epilogue: &mut Epilogue<'_>) {
         // SAFETY: as promised by the caller.
         unsafe {
             // Twelve sums and what they need fill the registers.
             if N == 8 {
-                self.part::<4, M>(rows, 0, epilogue);
-                self.part::<4, M>(rows, 4, epilogue);
+                self.tile::<4, M>(rows, 0, epilogue);
+                self.tile::<4, M>(rows, 4, epilogue);
             } else {
-                self.part::<N, M>(rows, 0, epilogue);
+                self.tile::<N, M>(rows, 0, epilogue);
             }
         }
     }
@@ -212,12 +212,12 @@ impl Block<'_> {
     /// As for [`run`], with `more + N` vectors of columns in the block and these rows.
     #[inline]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-    unsafe fn part<const N: usize, const M: usize>(&self, rows: [usize; M], more: usize, epilogue: &mut Epilogue<'_>) {
+    unsafe fn tile<const N: usize, const M: usize>(&self, rows: [usize; M], more: usize, epilogue: &mut Epilogue<'_>) {
         // SAFETY: as promised by the caller.
         unsafe {
             let mut sums: [[__m256; N]; M] = [[_mm256_setzero_ps(); N]; M];
             for (sums, r) in sums.iter_mut().zip(rows) {
-                *sums = self.begin(r, more);
+                *sums = self.load_sums(r, more);
             }
             let mut values = rows.map(|r| self.values.wrapping_add(r * self.steps[0]));
             let mut weights = self.weights.wrapping_add(LANES * more);
@@ -237,7 +237,7 @@ impl Block<'_> {
                 weights = weights.wrapping_add(self.weight_step);
             }
             for (sums, r) in sums.into_iter().zip(rows) {
-                self.end(sums, r, more, epilogue);
+                self.store_sums(sums, r, more, epilogue);
             }
         }
     }
@@ -248,7 +248,7 @@ impl Block<'_> {
     /// As for [`run`], with `more + N` vectors of columns in the block and a row r.
     #[inline]
     #[target_feature(enable = "avx2,fma")]
-    unsafe fn begin<const N: usize>(&self, r: usize, more: usize) -> [__m256; N] {
+    unsafe fn load_sums<const N: usize>(&self, r: usize, more: usize) -> [__m256; N] {
         // SAFETY: as promised by the caller.
         unsafe {
             match self.init {
@@ -259,13 +259,19 @@ impl Block<'_> {
         }
     }
 
-    /// Finishes and stores what [`Self::begin`] began.
+    /// Applies the epilogue to the sums of row r and stores them.
     ///
     /// # Safety
-    /// As for [`Self::begin`].
+    /// As for [`Self::load_sums`].
     #[inline]
     #[target_feature(enable = "avx2,fma")]
-    unsafe fn end<const N: usize>(&self, mut sums: [__m256; N], r: usize, more: usize, epilogue: &mut Epilogue<'_>) {
+    unsafe fn store_sums<const N: usize>(
+        &self,
+        mut sums: [__m256; N],
+        r: usize,
+        more: usize,
+        epilogue: &mut Epilogue<'_>,
+    ) {
         let (zero, first) = (_mm256_setzero_ps(), self.first + more);
         match epilogue {
             Epilogue::Identity => {}
@@ -295,9 +301,9 @@ impl Block<'_> {
     }
 }
 
-/// The lowest bit that is set, which is cleared.
+/// Number of the lowest bit that is set; clears it.
 #[inline(always)]
-const fn take(mask: &mut u64) -> usize {
+const fn pop_lowest_bit(mask: &mut u64) -> usize {
     let i = mask.trailing_zeros() as usize;
     *mask &= mask.wrapping_sub(1);
     i
@@ -326,7 +332,7 @@ unsafe fn add<const N: usize>(sums: &mut [__m256; N], v: *const f32, w: *const f
     }
 }
 
-/// Bytes to floats times `scale`, eight at a time, and a bit for each byte that is not zero.
+/// int8 numbers to floats times `scale`, eight at a time, and a bit for each number that is not zero.
 ///
 /// # Safety
 /// `bytes` and `out` must be as long as `eights` times eight, `masks` have a word for every

@@ -14,7 +14,7 @@ pub struct Encoder {
     second: Dense,
 }
 
-/// The encoder's activations of a micro-batch and, on the way back, the gradients by them.
+/// The encoder's activations of a micro-batch and, after the backward pass, the gradients by them.
 #[derive(Clone, Debug)]
 pub struct EncoderPass {
     /// First hidden layer, a row a UAV.
