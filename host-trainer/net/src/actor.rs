@@ -28,7 +28,8 @@ struct GraphLayer {
 }
 
 impl ActorNet {
-    /// For this layout, of an actor; all zeros until [`Self::load`].
+    /// An actor of this layout, which must be for this aggregation; all parameters are zero until
+    /// [`Self::load`].
     #[must_use]
     pub fn new(layout: &ParameterLayout, aggregation: Aggregation) -> Self {
         Self {
@@ -45,7 +46,7 @@ impl ActorNet {
         }
     }
 
-    /// Takes the parameters.
+    /// Takes the parameters, as many and in the order of the layout.
     pub fn load(&mut self, values: &[f32]) {
         let layout = &self.layout;
         self.encoder.load(layout, values);
@@ -83,7 +84,7 @@ struct GraphPass {
 }
 
 impl ActorPass {
-    /// For this layout, of an actor.
+    /// For actors of this layout.
     #[must_use]
     pub fn new(layout: &ParameterLayout) -> Self {
         let rows = |name| Rows::new(layout.shape(name).1);
@@ -118,8 +119,8 @@ impl ActorPass {
         net.output.forward(&self.head, Activation::Identity, &mut self.logits);
     }
 
-    /// Adds the gradient of the parameters to `sum`, after [`Self::forward`] with the same
-    /// net and inputs, when [`Self::logits_mut`] holds the gradient by the logits.
+    /// Adds the gradient by the parameters to `sum`, after [`Self::forward`] with the same net and
+    /// inputs, when [`Self::logits_mut`] holds the gradient by the logits.
     pub fn backward(&mut self, net: &ActorNet, inputs: &Inputs, sum: &mut ActorGradient) {
         let (feature, by_feature) = (&self.encoder.feature, &mut self.encoder.by_feature);
         self.logits.fill_masks();
@@ -162,32 +163,32 @@ impl ActorPass {
         [forward, backward]
     }
 
-    /// First hidden layer.
+    /// Activations of the first hidden layer, a row a UAV.
     #[must_use]
     pub const fn hidden(&self) -> &Rows {
         &self.encoder.hidden
     }
 
-    /// Feature `h`.
+    /// Features `h`, a row a UAV: what UAVs broadcast.
     #[must_use]
     pub const fn feature(&self) -> &Rows {
         &self.encoder.feature
     }
 
-    /// Neighbourhood's features combined, and the graph layer's output; none without
-    /// aggregation.
+    /// The combined features of each neighbourhood and the graph layer's outputs, a row a UAV; none
+    /// without aggregation.
     #[must_use]
     pub fn graph(&self) -> Option<(&Rows, &Rows)> {
         self.graph.as_ref().map(|g| (&g.combined, &g.output))
     }
 
-    /// Hidden layer of the head.
+    /// Activations of the head's hidden layer, a row a UAV.
     #[must_use]
     pub const fn head(&self) -> &Rows {
         &self.head
     }
 
-    /// Logits, 17 wide.
+    /// Logits, a row of 17 a UAV.
     #[must_use]
     pub const fn logits(&self) -> &Rows {
         &self.logits
@@ -220,7 +221,7 @@ struct GraphGradient {
 }
 
 impl ActorGradient {
-    /// Zero, for this layout of an actor.
+    /// Zero, for actors of this layout.
     #[must_use]
     pub fn new(layout: &ParameterLayout) -> Self {
         Self {
@@ -255,7 +256,8 @@ impl ActorGradient {
         }
     }
 
-    /// Writes it as a flat vector; `values` are the parameters it was taken at.
+    /// Writes it to a flat vector of the layout; `values` are the parameters that it was computed
+    /// at.
     pub fn store(&self, values: &[f32], out: &mut [f32]) {
         self.encoder.store(&self.layout, out);
         for g in [&self.own, &self.head_bias, &self.output, &self.output_bias] {

@@ -19,7 +19,7 @@ pub struct CriticNet {
 }
 
 impl CriticNet {
-    /// For this layout, of a critic; all zeros until [`Self::load`].
+    /// A critic of this layout; all parameters are zero until [`Self::load`].
     #[must_use]
     pub fn new(layout: &ParameterLayout) -> Self {
         Self {
@@ -32,7 +32,7 @@ impl CriticNet {
         }
     }
 
-    /// Takes the parameters.
+    /// Takes the parameters, as many and in the order of the layout.
     pub fn load(&mut self, values: &[f32]) {
         let layout = &self.layout;
         self.encoder.load(layout, values);
@@ -59,7 +59,7 @@ pub struct CriticPass {
 }
 
 impl CriticPass {
-    /// For this layout, of a critic.
+    /// For critics of this layout.
     #[must_use]
     pub fn new(layout: &ParameterLayout) -> Self {
         let rows = |name| Rows::new(layout.shape(name).1);
@@ -74,7 +74,7 @@ impl CriticPass {
         }
     }
 
-    /// Computes the values.
+    /// Computes the normalised values.
     pub fn forward(&mut self, net: &CriticNet, inputs: &Inputs) {
         self.encoder.forward(&net.encoder, inputs);
         let feature = &self.encoder.feature;
@@ -89,8 +89,8 @@ impl CriticPass {
         net.output.forward(&self.head, Activation::Identity, &mut self.values);
     }
 
-    /// Adds the gradient of the parameters to `sum`, after [`Self::forward`] with the same
-    /// net and inputs, when [`Self::values_mut`] holds the gradient by the values.
+    /// Adds the gradient by the parameters to `sum`, after [`Self::forward`] with the same net and
+    /// inputs, when [`Self::values_mut`] holds the gradient by the values.
     pub fn backward(&mut self, net: &CriticNet, inputs: &Inputs, sum: &mut CriticGradient) {
         let (feature, by_feature) = (&self.encoder.feature, &mut self.encoder.by_feature);
         let uavs = inputs.uavs();
@@ -123,7 +123,7 @@ impl CriticPass {
         [forward + own + mean + active, backward + own + active * feature + 2 * mean + 2 * rows * head]
     }
 
-    /// Normalised values, 1 wide.
+    /// Normalised values, a row of one a UAV.
     #[must_use]
     pub const fn values(&self) -> &Rows {
         &self.values
@@ -199,7 +199,7 @@ pub struct CriticGradient {
 }
 
 impl CriticGradient {
-    /// Zero, for this layout of a critic.
+    /// Zero, for critics of this layout.
     #[must_use]
     pub fn new(layout: &ParameterLayout) -> Self {
         Self {
@@ -221,7 +221,7 @@ impl CriticGradient {
         }
     }
 
-    /// Writes it as a flat vector.
+    /// Writes it to a flat vector of the layout.
     pub fn store(&self, out: &mut [f32]) {
         self.encoder.store(&self.layout, out);
         for g in [&self.own, &self.mean, &self.head_bias, &self.output, &self.output_bias] {

@@ -4,7 +4,8 @@ use crate::parameter_layout::ParameterLayout;
 use covey_env::random::{normal_pair, stream};
 use rand_chacha::ChaCha8Rng;
 
-/// Fresh parameters: every weight matrix orthogonal times its gain, biases zero.
+/// Fresh parameters of a layout: every weight matrix orthogonal (Saxe et al. 2014) times its gain,
+/// biases zero. `purpose` and `seed` name the random stream.
 #[must_use]
 pub fn initialise(layout: &ParameterLayout, purpose: &str, seed: u64) -> Vec<f32> {
     let mut random = stream(purpose, seed, 0);

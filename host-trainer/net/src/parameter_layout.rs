@@ -1,4 +1,4 @@
-//! Places of the parameters in a network's flat vector.
+//! Where weights and biases lie in a network's flat parameter vector.
 
 use firmware_core::action::ACTIONS;
 use firmware_core::actor::{Aggregation, Dimensions};
@@ -6,7 +6,7 @@ use firmware_core::actor::{Aggregation, Dimensions};
 /// One weight matrix (`inputs × outputs`, row-major) or bias (`1 × outputs`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParameterBlock {
-    /// What it is.
+    /// Name, unique in its layout.
     pub name: &'static str,
     /// Rows: inputs, or 1 for a bias.
     pub inputs: usize,
@@ -14,18 +14,18 @@ pub struct ParameterBlock {
     pub outputs: usize,
     /// Gain of the orthogonal initialisation; 0 starts at zero.
     pub gain: f32,
-    /// First place in the flat vector.
+    /// Index of its first number in the flat vector.
     pub start: usize,
 }
 
 impl ParameterBlock {
-    /// Numbers in it.
+    /// How many numbers it has.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.inputs * self.outputs
     }
 
-    /// Whether it has none.
+    /// Whether it has no numbers.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.len() == 0

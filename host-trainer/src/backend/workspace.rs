@@ -3,8 +3,9 @@
 use crate::optim::{Learner, LossSums, PpoLoss, RolloutBatch, Sample, WorldStep};
 use crate::rollout::{RolloutWorker, ValueNorm};
 use covey_env::{Neighbourhood, ObservationSlice};
-use covey_net::micro_batch_size;
-use covey_net::{ActorCritic, ActorGradient, ActorPass, CriticGradient, CriticPass, Inputs, ParameterLayout};
+use covey_net::{
+    ActorCritic, ActorGradient, ActorPass, CriticGradient, CriticPass, Inputs, ParameterLayout, micro_batch_size,
+};
 
 /// Inputs, activations and gradients of one thread's work, kept from update to update.
 #[derive(Clone, Debug)]
@@ -108,10 +109,8 @@ impl Workspace {
             }
             self.forward(learner);
             if let Some(sum) = &mut self.multiply_adds {
-                *sum += [self.actor.multiply_adds(&self.inputs), self.critic.multiply_adds(&self.inputs)]
-                    .as_flattened()
-                    .iter()
-                    .sum::<u64>();
+                let (actor, critic) = (self.actor.multiply_adds(&self.inputs), self.critic.multiply_adds(&self.inputs));
+                *sum += actor.iter().chain(&critic).sum::<u64>();
             }
             let (logits, values) = (self.actor.logits_mut(), self.critic.values_mut());
             loss.backward(logits, values, &self.samples, minibatch, &mut sums);

@@ -116,3 +116,34 @@ impl Minibatches {
         &mut self.world_steps[from..to]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Settings;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn an_epoch_has_every_world_step_once_in_even_minibatches() {
+        let s = Settings { uavs: 3, uavs_max: 0, steps: 4, rollout_steps: 4, ..Settings::default() };
+        let workers = [(0, 2), (1, 3)].map(|(k, num_envs)| RolloutWorker::new(&s, k, num_envs).expect("worlds"));
+        let rollout = RolloutBatch::new(&workers, ValueNorm::default());
+        // 5 worlds, 4 steps and 3 UAVs are 60 samples.
+        let epochs = |seed| {
+            let mut minibatches = Minibatches::new(&rollout, 20, seed, 0);
+            [0, 1].map(|_| {
+                let count = minibatches.shuffle();
+                (0..count).map(|m| minibatches.get_mut(m).to_vec()).collect::<Vec<_>>()
+            })
+        };
+        let names = |epoch: &[Vec<WorldStep>]| epoch.concat().iter().map(|w| (w.worker, w.first)).collect::<Vec<_>>();
+        let [first, second] = epochs(1);
+        for epoch in [&first, &second] {
+            assert_eq!(epoch.iter().map(|m| count_samples(m)).collect::<Vec<_>>(), [18, 21, 21]);
+            assert_eq!(names(epoch).into_iter().collect::<BTreeSet<_>>().len(), 20);
+        }
+        assert_ne!(names(&first), names(&second), "epochs are shuffled");
+        assert_eq!(names(&first), names(&epochs(1)[0]), "the seed names the shuffle");
+        assert_ne!(names(&first), names(&epochs(2)[0]));
+    }
+}

@@ -20,7 +20,8 @@ mod run;
 mod simd;
 
 pub(crate) use aligned::Aligned;
-pub use lanes::{LANES, PANEL, padded};
+pub(crate) use lanes::PANEL;
+pub use lanes::{LANES, padded};
 pub use product::{Epilogue, Init, Product};
 pub(crate) use run::dequantise;
 pub use simd::{Vectorised, multiply_adds, vectorised};

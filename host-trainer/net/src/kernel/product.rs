@@ -50,7 +50,7 @@ pub struct Product<'a> {
     pub rows: usize,
     /// Terms of a sum.
     pub terms: usize,
-    /// Columns, a multiple of [`LANES`], at most [`PANEL`].
+    /// Columns, a multiple of [`LANES`], at most 64.
     pub columns: usize,
     /// v: number of row r and term i at `r·steps[0] + i·steps[1]`.
     pub values: &'a [f32],
