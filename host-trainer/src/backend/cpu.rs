@@ -38,11 +38,11 @@ impl Backend for CpuBackend {
         learner: &Learner,
         collection: &Collection<'_>,
         rollout_workers: &mut [RolloutWorker],
-        workers: &Workers,
+        threads: &Workers,
     ) -> Result<(), EngineError> {
         let Collection { settings, value_norm, cloning } = collection;
         let items = rollout_workers.iter_mut().zip(&mut self.workspaces).collect();
-        workers.run(items, |_, (worker, workspace): (&mut RolloutWorker, &mut Workspace)| {
+        threads.run(items, |_, (worker, workspace): (&mut RolloutWorker, &mut Workspace)| {
             worker.begin_rollout();
             for t in 0..=worker.buffer().steps() {
                 workspace.act(learner, worker, t, value_norm);
@@ -60,14 +60,14 @@ impl Backend for CpuBackend {
         rollout: &RolloutBatch<'_>,
         loss: &PpoLoss,
         minibatch: &mut [WorldStep],
-        workers: &Workers,
+        threads: &Workers,
     ) -> Result<LossSums, EngineError> {
         // The sort is stable, so it changes nothing where all worlds are of one size.
         minibatch.sort_by_key(|w| w.uavs);
         let (samples, parts, len) = (count_samples(minibatch), self.workspaces.len(), minibatch.len());
         let slices = (0..parts).map(|p| &minibatch[p * len / parts..(p + 1) * len / parts]);
         let items = slices.zip(self.workspaces.iter_mut().zip(&mut self.gradients)).collect();
-        let parts = workers.run(items, |_, (world_steps, (workspace, gradient)): (_, (&mut Workspace, _))| {
+        let parts = threads.run(items, |_, (world_steps, (workspace, gradient)): (_, (&mut Workspace, _))| {
             workspace.clear_gradients();
             let sums = workspace.accumulate(learner, rollout, loss, world_steps, samples);
             workspace.store_gradients(learner, gradient);

@@ -67,7 +67,7 @@ impl Backend for DeviceBackend {
         _: &Learner,
         collection: &Collection<'_>,
         rollout_workers: &mut [RolloutWorker],
-        workers: &Workers,
+        threads: &Workers,
     ) -> Result<(), EngineError> {
         let Collection { settings, value_norm, cloning } = collection;
         rollout_workers.iter_mut().for_each(RolloutWorker::begin_rollout);
@@ -81,7 +81,7 @@ impl Backend for DeviceBackend {
                 let agents = worker.buffer().agents();
                 (logits(agents), values(agents), worker)
             });
-            workers.run(items.collect(), |_, (logits, values, worker): (&[f32], &[f32], &mut RolloutWorker)| {
+            threads.run(items.collect(), |_, (logits, values, worker): (&[f32], &[f32], &mut RolloutWorker)| {
                 let worlds = 0..worker.buffer().num_envs();
                 worker.store_values(t, &worlds, values, value_norm);
                 if t < steps {

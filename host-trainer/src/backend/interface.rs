@@ -33,7 +33,7 @@ pub trait Backend: Send {
         learner: &Learner,
         collection: &Collection<'_>,
         rollout_workers: &mut [RolloutWorker],
-        workers: &Workers,
+        threads: &Workers,
     ) -> Result<(), EngineError>;
 
     /// Prepares for [`Self::minibatch_gradient`] of minibatches of this rollout.
@@ -48,7 +48,7 @@ pub trait Backend: Send {
         rollout: &RolloutBatch<'_>,
         loss: &PpoLoss,
         minibatch: &mut [WorldStep],
-        workers: &Workers,
+        threads: &Workers,
     ) -> Result<LossSums, EngineError>;
 
     /// The gradient of the last minibatch in one or several parts, whose sum in their order it is.

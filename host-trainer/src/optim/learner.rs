@@ -56,7 +56,7 @@ impl Learner {
         partial_gradients: &mut [ActorCritic<Vec<f32>>],
         learning_rate: f64,
         max_norm: f64,
-        workers: &Workers,
+        threads: &Workers,
     ) -> ActorCritic<f64> {
         let (mut of_actor, mut of_critic) = (Vec::new(), Vec::new());
         for gradient in partial_gradients {
@@ -64,7 +64,7 @@ impl Learner {
             of_critic.push(&mut gradient.critic);
         }
         let both: [(&mut dyn Optimise, _); 2] = [(&mut self.actor, of_actor), (&mut self.critic, of_critic)];
-        let norms = workers.run(both.into(), |_, (trained, mut gradients): (&mut dyn Optimise, Vec<_>)| {
+        let norms = threads.run(both.into(), |_, (trained, mut gradients): (&mut dyn Optimise, Vec<_>)| {
             trained.step(sum_into_first(&mut gradients), learning_rate, max_norm)
         });
         ActorCritic { actor: norms[0], critic: norms[1] }

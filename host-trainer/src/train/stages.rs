@@ -22,20 +22,20 @@ impl Trainer {
     ///
     /// # Errors
     /// When a device fails.
-    pub fn time(&mut self, stage: Stage, workers: &Workers) -> Result<Duration, EngineError> {
-        self.reset_to_equal_swarms(workers);
+    pub fn time(&mut self, stage: Stage, threads: &Workers) -> Result<Duration, EngineError> {
+        self.reset_to_equal_swarms(threads);
         let mut spent = Duration::ZERO;
         for rollout in 0..self.rollouts_in_round() {
             let start = Instant::now();
             match stage {
-                Stage::Environment => self.random_rollouts(workers),
-                Stage::Policy | Stage::Update => self.collect(false, workers)?,
+                Stage::Environment => self.random_rollouts(threads),
+                Stage::Policy | Stage::Update => self.collect(false, threads)?,
             }
             let collected = start.elapsed();
             let start = Instant::now();
             if stage == Stage::Update {
                 let plan = self.update_plan(rollout.into(), 0.0);
-                self.update(&plan, workers)?;
+                self.update(&plan, threads)?;
             }
             spent += if stage == Stage::Update { start.elapsed() } else { collected };
         }
@@ -47,9 +47,9 @@ impl Trainer {
     ///
     /// # Errors
     /// When a device fails.
-    pub fn count_update(&mut self, workers: &Workers) -> Result<u64, EngineError> {
+    pub fn count_update(&mut self, threads: &Workers) -> Result<u64, EngineError> {
         self.backend_mut().start_counting();
-        self.time(Stage::Update, workers)?;
+        self.time(Stage::Update, threads)?;
         Ok(self.backend_mut().take_count())
     }
 }

@@ -153,18 +153,18 @@ impl Trainer {
     /// # Errors
     /// When a device fails, never on the CPU. The round is then half done: go on from a
     /// checkpoint.
-    pub fn round(&mut self, workers: &Workers) -> Result<RoundMetrics, EngineError> {
-        self.reset(workers);
+    pub fn round(&mut self, threads: &Workers) -> Result<RoundMetrics, EngineError> {
+        self.reset(threads);
         let rollouts = self.rollouts_in_round();
         let updates_in_run = f64::from(self.settings.rounds()) * f64::from(rollouts);
         let (mut sums, mut explained_variance, mut learning_rate) = (UpdateSums::default(), 0.0, 0.0);
         for rollout in 0..rollouts {
             let number = u64::from(self.rounds) * u64::from(rollouts) + u64::from(rollout);
             let plan = self.update_plan(number, number as f64 / updates_in_run);
-            self.collect(self.settings.cloning_weight_at(number) > 0.0, workers)?;
+            self.collect(self.settings.cloning_weight_at(number) > 0.0, threads)?;
             explained_variance += self.explained_variance() / f64::from(rollouts);
             learning_rate = plan.learning_rate;
-            sums.add(&self.update(&plan, workers)?);
+            sums.add(&self.update(&plan, threads)?);
         }
         self.rounds += 1;
         Ok(self.metrics(&sums, explained_variance, learning_rate))
@@ -176,7 +176,7 @@ impl Trainer {
     }
 
     /// Begins the episodes of the present round.
-    fn reset(&mut self, workers: &Workers) {
+    fn reset(&mut self, threads: &Workers) {
         let (s, round) = (&self.settings, self.rounds);
         let mut next = u64::from(round) * u64::from(s.num_envs);
         let items = self.rollout_workers.iter_mut().map(|worker| {
@@ -184,27 +184,27 @@ impl Trainer {
             next += worker.env().num_envs() as u64;
             (worker, first_episode)
         });
-        workers.run(items.collect(), |k, (worker, first_episode): (&mut RolloutWorker, _)| {
+        threads.run(items.collect(), |k, (worker, first_episode): (&mut RolloutWorker, _)| {
             worker.reset(s, first_episode, s.uavs_in(round, k as u32));
         });
     }
 
     /// Begins episodes of the configured number of UAVs in all worlds, the same every time.
-    pub(super) fn reset_to_equal_swarms(&mut self, workers: &Workers) {
+    pub(super) fn reset_to_equal_swarms(&mut self, threads: &Workers) {
         let s = &self.settings;
-        workers.run(self.rollout_workers.iter_mut().collect(), |k, worker| worker.reset(s, k as u64, s.uavs));
+        threads.run(self.rollout_workers.iter_mut().collect(), |k, worker| worker.reset(s, k as u64, s.uavs));
     }
 
     /// Collects a rollout in every world; with `cloning`, the expert's actions too.
-    pub(super) fn collect(&mut self, cloning: bool, workers: &Workers) -> Result<(), EngineError> {
+    pub(super) fn collect(&mut self, cloning: bool, threads: &Workers) -> Result<(), EngineError> {
         let collection = Collection { settings: &self.settings, value_norm: self.value_norm, cloning };
-        self.backend.collect(&self.learner, &collection, &mut self.rollout_workers, workers)
+        self.backend.collect(&self.learner, &collection, &mut self.rollout_workers, threads)
     }
 
     /// A rollout of random actions in every world.
-    pub(super) fn random_rollouts(&mut self, workers: &Workers) {
+    pub(super) fn random_rollouts(&mut self, threads: &Workers) {
         let s = &self.settings;
-        workers.run(self.rollout_workers.iter_mut().collect(), |_, worker| worker.random_rollout(s));
+        threads.run(self.rollout_workers.iter_mut().collect(), |_, worker| worker.random_rollout(s));
     }
 
     /// Plan of update `number` of the run, when the share `progress` of the run is done: learning
@@ -228,11 +228,11 @@ impl Trainer {
     }
 
     /// Updates value normalisation, networks and the actor's average from the last rollouts.
-    pub(super) fn update(&mut self, plan: &UpdatePlan, workers: &Workers) -> Result<UpdateSums, EngineError> {
+    pub(super) fn update(&mut self, plan: &UpdatePlan, threads: &Workers) -> Result<UpdateSums, EngineError> {
         let (mean, deviation) = mean_and_deviation(&self.all(|buffer| &buffer.returns));
         self.value_norm.update(mean, deviation, self.settings.value_norm_decay);
         let rollout = RolloutBatch::new(&self.rollout_workers, self.value_norm);
-        let sums = update(&mut self.learner, &mut *self.backend, &rollout, plan, workers)?;
+        let sums = update(&mut self.learner, &mut *self.backend, &rollout, plan, threads)?;
         update_ema(&mut self.average, &self.learner.actor.parameters, self.settings.ema_decay, plan.number);
         Ok(sums)
     }

@@ -57,7 +57,7 @@ pub fn update(
     backend: &mut dyn Backend,
     rollout: &RolloutBatch<'_>,
     plan: &UpdatePlan,
-    workers: &Workers,
+    threads: &Workers,
 ) -> Result<UpdateSums, EngineError> {
     backend.begin_update(rollout);
     let mut minibatches = Minibatches::new(rollout, plan.minibatch, plan.seed, plan.number);
@@ -65,9 +65,9 @@ pub fn update(
     for _ in 0..plan.epochs {
         for m in 0..minibatches.shuffle() {
             let minibatch = minibatches.get_mut(m);
-            sums.losses.add(&backend.minibatch_gradient(learner, rollout, &plan.loss, minibatch, workers)?);
+            sums.losses.add(&backend.minibatch_gradient(learner, rollout, &plan.loss, minibatch, threads)?);
             let gradients = backend.partial_gradients();
-            let norms = learner.step(gradients, plan.learning_rate, plan.max_gradient_norm, workers);
+            let norms = learner.step(gradients, plan.learning_rate, plan.max_gradient_norm, threads);
             backend.load_parameters(learner);
             sums.add_norms(norms, 1.0);
         }
