@@ -1,7 +1,8 @@
-//! The float policy: the trained network as it is.
+//! The trained actor in floats, before quantisation, and the policy that flies by it.
 
+use crate::rollout::sample;
 use crate::settings::Settings;
-use crate::train::{dimensions, sample};
+use crate::train::dimensions;
 use covey_env::{Neighbourhood, ObservationBatch, ObservationForm, ObservationSliceMut, Observer, Policy, World};
 use covey_net::{ActorNet, ActorPass, Inputs, ParameterLayout, Rows};
 use firmware_core::action::Action;
@@ -11,35 +12,35 @@ use firmware_core::random::action_draw;
 /// A trained actor in floats.
 #[derive(Clone, Debug)]
 pub struct FloatActor {
-    /// What it observes.
+    /// Form of the observation that it takes.
     pub observation: ObservationForm,
-    /// Form.
+    /// How it combines the features of a neighbourhood.
     pub aggregation: Aggregation,
-    /// Widths.
+    /// Widths of its layers.
     pub dimensions: Dimensions,
     /// Steps for which a tie-breaker holds.
     pub tie_period: u32,
-    /// Places of the parameters.
+    /// Where each block of parameters lies in `values`.
     pub layout: ParameterLayout,
     /// The parameters.
     pub values: Vec<f32>,
 }
 
 impl FloatActor {
-    /// From the parameters of a run with these settings; `temperature` is applied to the
-    /// output layer.
+    /// From the parameters of a run with these settings. Weights and bias of the output layer are
+    /// divided by `temperature`, and so are the logits.
     #[must_use]
     pub fn new(s: &Settings, mut values: Vec<f32>) -> Self {
         let dimensions = dimensions(s);
         let aggregation = s.graph.0;
         let layout = ParameterLayout::actor(dimensions, aggregation);
-        for piece in layout.pieces().iter().filter(|p| p.name.starts_with("output")) {
-            values[piece.start..piece.start + piece.len()].iter_mut().for_each(|v| *v /= s.temperature as f32);
+        for block in layout.blocks().iter().filter(|p| p.name.starts_with("output")) {
+            values[block.start..block.start + block.len()].iter_mut().for_each(|v| *v /= s.temperature as f32);
         }
         Self { observation: s.observation, aggregation, dimensions, tie_period: s.tie_period, layout, values }
     }
 
-    /// It as products read it.
+    /// The network with these parameters, ready for forward passes.
     #[must_use]
     pub fn network(&self) -> ActorNet {
         let mut net = ActorNet::new(&self.layout, self.aggregation);
@@ -48,7 +49,8 @@ impl FloatActor {
     }
 }
 
-/// The float policy in a world.
+/// The float policy in a world: [`Self::forward`] and [`Self::select_actions`] each step, or both
+/// as [`Policy::act`].
 pub struct FloatPolicy<'n> {
     net: &'n ActorNet,
     inputs: Inputs,
@@ -57,12 +59,12 @@ pub struct FloatPolicy<'n> {
     seed: u64,
     mode: Mode,
     observations: ObservationBatch,
-    links: Vec<Neighbourhood>,
+    neighbours: Vec<Neighbourhood>,
     draws: Vec<f64>,
 }
 
 impl<'n> FloatPolicy<'n> {
-    /// `net` is `actor`'s; `seed` seeds the on-board random numbers.
+    /// `net` is the actor's [network](FloatActor::network); `seed` seeds the on-board random numbers.
     #[must_use]
     pub fn new(actor: &FloatActor, net: &'n ActorNet, seed: u64, mode: Mode) -> Self {
         Self {
@@ -73,40 +75,41 @@ impl<'n> FloatPolicy<'n> {
             seed,
             mode,
             observations: ObservationBatch::new(actor.observation, 0),
-            links: Vec::new(),
+            neighbours: Vec::new(),
             draws: Vec::new(),
         }
     }
 
-    /// The actor on what the UAVs of a world see.
-    pub fn look(&mut self, world: &World) -> &ActorPass {
+    /// Observes the present state of a world and runs the actor on it; returns its activations, a
+    /// row a UAV.
+    pub fn forward(&mut self, world: &World) -> &ActorPass {
         let n = world.scenario().uavs;
         self.observations.resize(n);
-        self.links.resize(n, Neighbourhood::default());
+        self.neighbours.resize(n, Neighbourhood::default());
         match self.observations.part_mut(0..n) {
-            ObservationSliceMut::Compact(out) => self.observer.observe(world, out, &mut self.links),
-            ObservationSliceMut::Cells(out) => self.observer.observe(world, out, &mut self.links),
+            ObservationSliceMut::Compact(out) => self.observer.observe(world, out, &mut self.neighbours),
+            ObservationSliceMut::Cells(out) => self.observer.observe(world, out, &mut self.neighbours),
         }
         self.inputs.clear(n);
-        self.inputs.push(&self.observations, &self.links);
+        self.inputs.push(&self.observations, &self.neighbours);
         self.pass.forward(self.net, &self.inputs);
         &self.pass
     }
 
-    /// The observations and neighbours of the last [`Self::look`].
+    /// The observations and kept neighbours of the last [`Self::forward`], one a UAV.
     #[must_use]
-    pub fn seen(&self) -> (&ObservationBatch, &[Neighbourhood]) {
-        (&self.observations, &self.links)
+    pub fn observed(&self) -> (&ObservationBatch, &[Neighbourhood]) {
+        (&self.observations, &self.neighbours)
     }
 
-    /// Logits of the last [`Self::look`].
+    /// Logits of the last [`Self::forward`], 17 a UAV.
     #[must_use]
     pub const fn logits(&self) -> &Rows {
         self.pass.logits()
     }
 
-    /// Writes the actions of the last [`Self::look`].
-    pub fn choose(&mut self, world: &World, actions: &mut [Action]) {
+    /// Writes the actions of all UAVs from the logits of the last [`Self::forward`].
+    pub fn select_actions(&mut self, world: &World, actions: &mut [Action]) {
         let logits = self.pass.logits();
         match self.mode {
             Mode::Argmax => actions.iter_mut().enumerate().for_each(|(id, a)| *a = argmax(logits.row(id))),
@@ -134,7 +137,7 @@ pub fn argmax(logits: &[f32]) -> Action {
 
 impl Policy for FloatPolicy<'_> {
     fn act(&mut self, world: &World, actions: &mut [Action]) {
-        self.look(world);
-        self.choose(world, actions);
+        self.forward(world);
+        self.select_actions(world, actions);
     }
 }

@@ -224,7 +224,7 @@ pub fn agreement<O: ActorInput>(
         let mut agreeing = 0;
         while !world.done() {
             own.observe(&world);
-            let logits = other.look(&world).logits();
+            let logits = other.forward(&world).logits();
             for (i, action) in actions.iter_mut().enumerate() {
                 let mine = own.logits(i);
                 agreeing += u64::from(int8_argmax(&mine) == argmax(logits.row(i)));

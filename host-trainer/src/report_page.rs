@@ -5,7 +5,7 @@ use crate::finish::{EvaluationFile, trial};
 use crate::measure::EvalRow;
 use crate::run::RunFolder;
 use crate::settings::Settings;
-use crate::train::Row;
+use crate::train::RoundMetrics;
 use crate::with_actor;
 use covey_env::policy_seed;
 use covey_env::{ActorPolicy, Trace};
@@ -83,7 +83,7 @@ pub fn compare(folders: &[RunFolder]) -> Result<Report> {
 
 struct Data {
     settings: Settings,
-    rows: Vec<Row>,
+    rows: Vec<RoundMetrics>,
     evaluation: Option<EvaluationFile>,
 }
 
@@ -190,7 +190,7 @@ fn charts(data: &Data, name: &str) -> Vec<Chart> {
             })
             .collect()
     };
-    Row::CHARTS
+    RoundMetrics::CHARTS
         .iter()
         .map(|&(title, y_label, metric, value)| {
             let points: Vec<_> = data.rows.iter().map(|r| (r.episodes as f64, value(r))).collect();

@@ -1,12 +1,12 @@
-//! The networks by hand against the same in burn, whose autodiff computes the gradients:
-//! full size, ragged links, with and without a graph.
+//! The networks written by hand against the same in burn, whose autodiff computes the gradients:
+//! full size, neighbourhoods of all sizes, with and without a graph.
 
 use covey_burn::{BurnEngine, Kind};
 use covey_env::baselines::Centroid;
 use covey_env::{Neighbourhood, Observer, PoiDistribution, Policy, Scenario, World};
 use covey_net::{
-    ActorGradient, ActorNet, ActorPass, CriticGradient, CriticNet, CriticPass, Engine, GraphBatch, Inputs, Outputs,
-    ParameterLayout, Rows, initialise,
+    ActorCritic, ActorGradient, ActorNet, ActorPass, CriticGradient, CriticNet, CriticPass, Engine, GraphBatch, Inputs,
+    Outputs, ParameterLayout, Rows, initialise,
 };
 use firmware_core::action::{ACTIONS, Action};
 use firmware_core::actor::{Aggregation, Dimensions};
@@ -29,7 +29,7 @@ fn situations() -> (Vec<Observation>, Vec<Neighbourhood>) {
     let scenario =
         Scenario { uavs: UAVS, pois: 120, side_u: 120.0, steps: 100, distribution: PoiDistribution::Clustered };
     let mut world = World::new(&scenario).expect("a scenario");
-    let (mut observations, mut links) = (Vec::new(), Vec::new());
+    let (mut observations, mut neighbours) = (Vec::new(), Vec::new());
     for k in 0..WORLDS {
         world.reset(5, k as u64);
         let (mut policy, mut actions) = (Centroid::new(1, k as u64), [Action::COAST; UAVS]);
@@ -41,18 +41,18 @@ fn situations() -> (Vec<Observation>, Vec<Neighbourhood>) {
         let (mut o, mut l) = ([[0; LEN]; UAVS], [Neighbourhood::default(); UAVS]);
         Observer::new(9, 1).observe(&world, &mut o, &mut l);
         observations.extend(o);
-        links.extend(l);
+        neighbours.extend(l);
     }
-    let degrees: Vec<u8> = links.iter().map(|l| l.count).collect();
-    assert!((0..6).all(|d| degrees.contains(&d)), "links of all kinds: {degrees:?}");
-    (observations, links)
+    let degrees: Vec<u8> = neighbours.iter().map(|l| l.count).collect();
+    assert!((0..6).all(|d| degrees.contains(&d)), "neighbourhoods of all sizes: {degrees:?}");
+    (observations, neighbours)
 }
 
 /// The numbers of all rows; then `weights` stand there.
 fn exchange(rows: &mut Rows, weights: &[f32]) -> Vec<f32> {
-    let (step, width) = (rows.step(), rows.width());
+    let (stride, width) = (rows.stride(), rows.width());
     let mut out = Vec::new();
-    for (row, w) in rows.values_mut().chunks_exact_mut(step).zip(weights.chunks_exact(width)) {
+    for (row, w) in rows.values_mut().chunks_exact_mut(stride).zip(weights.chunks_exact(width)) {
         out.extend_from_slice(&row[..width]);
         row[..width].copy_from_slice(w);
     }
@@ -73,65 +73,70 @@ fn weights(width: usize) -> Vec<f32> {
 
 /// Outputs and the gradient of Σ weight·output of actor and critic.
 struct Found {
-    outputs: [Vec<f32>; 2],
-    gradients: [Vec<f32>; 2],
+    outputs: ActorCritic<Vec<f32>>,
+    gradients: ActorCritic<Vec<f32>>,
 }
 
 fn by_hand(
-    layouts: &[ParameterLayout; 2],
+    layouts: &ActorCritic<ParameterLayout>,
     aggregation: Aggregation,
-    parameters: [&[f32]; 2],
+    parameters: ActorCritic<&[f32]>,
     inputs: &Inputs,
 ) -> Found {
-    let (mut actor, mut critic) = (ActorNet::new(&layouts[0], aggregation), CriticNet::new(&layouts[1]));
-    actor.load(parameters[0]);
-    critic.load(parameters[1]);
-    let (mut actor_pass, mut actor_sum) = (ActorPass::new(&layouts[0]), ActorGradient::new(&layouts[0]));
-    let (mut critic_pass, mut critic_sum) = (CriticPass::new(&layouts[1]), CriticGradient::new(&layouts[1]));
+    let (mut actor, mut critic) = (ActorNet::new(&layouts.actor, aggregation), CriticNet::new(&layouts.critic));
+    actor.load(parameters.actor);
+    critic.load(parameters.critic);
+    let (mut actor_pass, mut actor_sum) = (ActorPass::new(&layouts.actor), ActorGradient::new(&layouts.actor));
+    let (mut critic_pass, mut critic_sum) = (CriticPass::new(&layouts.critic), CriticGradient::new(&layouts.critic));
     actor_pass.forward(&actor, inputs);
     critic_pass.forward(&critic, inputs);
-    let outputs =
-        [exchange(actor_pass.logits_mut(), &weights(ACTIONS)), exchange(critic_pass.values_mut(), &weights(1))];
+    let outputs = ActorCritic {
+        actor: exchange(actor_pass.logits_mut(), &weights(ACTIONS)),
+        critic: exchange(critic_pass.values_mut(), &weights(1)),
+    };
     actor_pass.backward(&actor, inputs, &mut actor_sum);
     critic_pass.backward(&critic, inputs, &mut critic_sum);
-    let mut gradients = layouts.each_ref().map(|l| vec![f32::NAN; l.len()]);
-    actor_sum.store(parameters[0], &mut gradients[0]);
-    critic_sum.store(&mut gradients[1]);
+    let mut gradients = layouts.as_ref().map(|l| vec![f32::NAN; l.len()]);
+    actor_sum.store(parameters.actor, &mut gradients.actor);
+    critic_sum.store(&mut gradients.critic);
     Found { outputs, gradients }
 }
 
-/// The same in burn, with the world-steps held in another order and among others, as in a minibatch.
+/// The same in burn, with the world-steps loaded in another order and among others, as in a minibatch.
 fn in_burn(
-    layouts: &[ParameterLayout; 2],
+    layouts: &ActorCritic<ParameterLayout>,
     aggregation: Aggregation,
-    parameters: [&[f32]; 2],
-    seen: GraphBatch<'_>,
+    parameters: ActorCritic<&[f32]>,
+    batch: GraphBatch<'_>,
 ) -> Found {
     let mut engine = BurnEngine::open(Kind::Flex, layouts.clone(), aggregation).expect("a CPU");
-    engine.load(parameters);
+    engine.load_parameters(parameters);
     let step = |k: usize| GraphBatch {
         uavs: UAVS,
-        observations: &seen.observations[k * UAVS..(k + 1) * UAVS],
-        links: &seen.links[k * UAVS..(k + 1) * UAVS],
+        observations: &batch.observations[k * UAVS..(k + 1) * UAVS],
+        neighbours: &batch.neighbours[k * UAVS..(k + 1) * UAVS],
     };
-    let held: Vec<GraphBatch<'_>> = (0..WORLDS).rev().flat_map(|k| [step(k), step(0)]).collect();
-    engine.hold(&held);
+    let rollout: Vec<GraphBatch<'_>> = (0..WORLDS).rev().flat_map(|k| [step(k), step(0)]).collect();
+    engine.load_rollout(&rollout);
     let order: Vec<u32> = (0..WORLDS as u32).map(|k| 2 * (WORLDS as u32 - 1 - k)).collect();
-    let (mut out, mut gradients) = (Outputs::default(), [Vec::new(), Vec::new()]);
-    let mut outputs = [Vec::new(), Vec::new()];
+    let (mut out, mut gradients) = (Outputs::default(), ActorCritic::default());
+    let mut outputs = ActorCritic::default();
     let mut weigh = |out: &mut Outputs| {
-        outputs = [exchange(&mut out.logits, &weights(ACTIONS)), exchange(&mut out.values, &weights(1))];
+        outputs = ActorCritic {
+            actor: exchange(&mut out.logits, &weights(ACTIONS)),
+            critic: exchange(&mut out.values, &weights(1)),
+        };
     };
     engine.gradient(&order, &mut out, &mut weigh, &mut gradients).expect("a gradient");
 
     // Without autodiff, and in two parts, it computes the same.
     let halves = [(0..WORLDS / 3), (WORLDS / 3..WORLDS)].map(|r| GraphBatch {
         uavs: UAVS,
-        observations: &seen.observations[r.start * UAVS..r.end * UAVS],
-        links: &seen.links[r.start * UAVS..r.end * UAVS],
+        observations: &batch.observations[r.start * UAVS..r.end * UAVS],
+        neighbours: &batch.neighbours[r.start * UAVS..r.end * UAVS],
     });
     engine.forward(&halves, &mut out).expect("outputs");
-    for (rows, wanted) in [&out.logits, &out.values].into_iter().zip(&outputs) {
+    for (rows, wanted) in [(&out.logits, &outputs.actor), (&out.values, &outputs.critic)] {
         let got: Vec<f32> = (0..rows.rows()).flat_map(|r| rows.row(r)).copied().collect();
         assert_near("forward", &got, wanted, 1e-6);
     }
@@ -149,24 +154,39 @@ fn assert_near(what: &str, got: &[f32], wanted: &[f32], tolerance: f32) {
 }
 
 fn check(aggregation: Aggregation) {
-    let (observations, links) = situations();
-    let layouts = [ParameterLayout::actor(DIMENSIONS, aggregation), ParameterLayout::critic(DIMENSIONS)];
-    let values = layouts.each_ref().map(parameters);
-    let parameters = [&values[0][..], &values[1][..]];
+    let (observations, neighbours) = situations();
+    let layouts = ActorCritic {
+        actor: ParameterLayout::actor(DIMENSIONS, aggregation),
+        critic: ParameterLayout::critic(DIMENSIONS),
+    };
+    let values = layouts.as_ref().map(parameters);
+    let parameters = ActorCritic { actor: &values.actor[..], critic: &values.critic[..] };
     let mut inputs = Inputs::new(LEN);
     inputs.clear(UAVS);
-    inputs.push(&observations, &links);
+    inputs.push(&observations, &neighbours);
     let got = by_hand(&layouts, aggregation, parameters, &inputs);
-    let seen = GraphBatch { uavs: UAVS, observations: &observations, links: &links };
-    let wanted = in_burn(&layouts, aggregation, parameters, seen);
-    for (k, layout) in layouts.iter().enumerate() {
-        let name = [aggregation.name(), "critic"][k];
-        assert_near(name, &got.outputs[k], &wanted.outputs[k], 1e-5);
-        for p in layout.pieces() {
-            let place = p.start..p.start + p.len();
-            let what = format!("{name}: {}", p.name);
-            assert_near(&what, &got.gradients[k][place.clone()], &wanted.gradients[k][place], 1e-4);
-        }
+    let batch = GraphBatch { uavs: UAVS, observations: &observations, neighbours: &neighbours };
+    let wanted = in_burn(&layouts, aggregation, parameters, batch);
+    assert_alike(
+        aggregation.name(),
+        &layouts.actor,
+        [&got.outputs.actor, &got.gradients.actor],
+        [&wanted.outputs.actor, &wanted.gradients.actor],
+    );
+    assert_alike(
+        "critic",
+        &layouts.critic,
+        [&got.outputs.critic, &got.gradients.critic],
+        [&wanted.outputs.critic, &wanted.gradients.critic],
+    );
+}
+
+/// Outputs and gradients of a network, the latter block by block.
+fn assert_alike(name: &str, layout: &ParameterLayout, got: [&[f32]; 2], wanted: [&[f32]; 2]) {
+    assert_near(name, got[0], wanted[0], 1e-5);
+    for block in layout.blocks() {
+        let [got, wanted] = [got[1], wanted[1]].map(|gradient| layout.block(gradient, block.name));
+        assert_near(&format!("{name}: {}", block.name), got, wanted, 1e-4);
     }
 }
 

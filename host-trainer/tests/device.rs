@@ -1,14 +1,14 @@
-//! Training with the networks in burn, here on its CPU device, beside the networks by hand.
+//! Training with the networks in burn, here on its CPU device, beside those written by hand.
 
 mod common;
 
 use common::{refuse, trainer};
 use covey_burn::{BurnEngine, Kind};
 use covey_env::ObservationForm;
-use covey_net::{Engine, EngineError, GraphBatch, Outputs};
+use covey_net::{ActorCritic, Engine, EngineError, GraphBatch, Outputs};
 use firmware_core::actor::Aggregation;
 use host_trainer::settings::{Graph, Settings};
-use host_trainer::train::{Row, Trainer, Workers};
+use host_trainer::train::{RoundMetrics, Trainer, Workers};
 
 fn settings(graph: Aggregation) -> Settings {
     Settings {
@@ -36,11 +36,11 @@ fn settings(graph: Aggregation) -> Settings {
 
 fn engine(trainer: &Trainer) -> Box<dyn Engine> {
     let aggregation = trainer.settings().graph.0;
-    Box::new(BurnEngine::open(Kind::Flex, trainer.network_layouts(), aggregation).expect("a CPU"))
+    Box::new(BurnEngine::open(Kind::Flex, trainer.layouts().clone(), aggregation).expect("a CPU"))
 }
 
-/// Rows of a whole run, and the actor at its end.
-fn run(mut trainer: Trainer) -> (Vec<Row>, Vec<f32>) {
+/// Metrics of a whole run, and the actor at its end.
+fn run(mut trainer: Trainer) -> (Vec<RoundMetrics>, Vec<f32>) {
     let workers = Workers::new(2).expect("threads");
     let mut rows = Vec::new();
     while !trainer.done() {
@@ -88,7 +88,7 @@ fn training_gat_is_alike_on_burn() {
 /// A device whose driver is wrong or that gives up.
 struct Broken {
     inner: Box<dyn Engine>,
-    spoil: fn(&mut Outputs, &mut [Vec<f32>; 2]) -> Result<(), EngineError>,
+    spoil: fn(&mut Outputs, &mut ActorCritic<Vec<f32>>) -> Result<(), EngineError>,
 }
 
 impl Engine for Broken {
@@ -96,17 +96,17 @@ impl Engine for Broken {
         "broken".to_owned()
     }
 
-    fn load(&mut self, parameters: [&[f32]; 2]) {
-        self.inner.load(parameters);
+    fn load_parameters(&mut self, parameters: ActorCritic<&[f32]>) {
+        self.inner.load_parameters(parameters);
     }
 
-    fn forward(&mut self, seen: &[GraphBatch<'_>], out: &mut Outputs) -> Result<(), EngineError> {
-        self.inner.forward(seen, out)?;
-        (self.spoil)(out, &mut [Vec::new(), Vec::new()])
+    fn forward(&mut self, batches: &[GraphBatch<'_>], out: &mut Outputs) -> Result<(), EngineError> {
+        self.inner.forward(batches, out)?;
+        (self.spoil)(out, &mut ActorCritic::default())
     }
 
-    fn hold(&mut self, seen: &[GraphBatch<'_>]) {
-        self.inner.hold(seen);
+    fn load_rollout(&mut self, batches: &[GraphBatch<'_>]) {
+        self.inner.load_rollout(batches);
     }
 
     fn gradient(
@@ -114,7 +114,7 @@ impl Engine for Broken {
         world_steps: &[u32],
         out: &mut Outputs,
         loss: &mut dyn FnMut(&mut Outputs),
-        gradients: &mut [Vec<f32>; 2],
+        gradients: &mut ActorCritic<Vec<f32>>,
     ) -> Result<(), EngineError> {
         self.inner.gradient(world_steps, out, loss, gradients)?;
         (self.spoil)(&mut Outputs::default(), gradients)
@@ -135,18 +135,19 @@ fn a_device_with_wrong_numbers_does_not_train() {
             (|out, _| {
                 out.logits.values_mut().iter_mut().for_each(|l| *l *= 1.1);
                 Ok(())
-            }) as fn(&mut Outputs, &mut [Vec<f32>; 2]) -> _,
+            }) as fn(&mut Outputs, &mut ActorCritic<Vec<f32>>) -> _,
         ),
         ("values", |out, _| {
-            out.values.values_mut().fill(f32::NAN);
+            // One among many, and not the last.
+            out.values.values_mut()[0] = f32::NAN;
             Ok(())
         }),
         ("actor's gradient", |_, g| {
-            g[0].reverse();
+            g.actor.reverse();
             Ok(())
         }),
         ("critic's gradient", |_, g| {
-            g[1].pop();
+            g.critic.pop();
             Ok(())
         }),
         ("memory is full", |_, _| {

@@ -2,10 +2,10 @@
 
 use firmware_core::actor::Aggregation;
 use host_trainer::settings::{Graph, Settings};
-use host_trainer::train::{Row, Trainer, Workers};
+use host_trainer::train::{RoundMetrics, Trainer, Workers};
 
 /// Rows of a whole run.
-fn train(settings: &Settings) -> Vec<Row> {
+fn train(settings: &Settings) -> Vec<RoundMetrics> {
     let mut trainer = Trainer::new(settings.clone()).expect("a scenario");
     let workers = Workers::new(2).expect("threads");
     let mut rows = Vec::new();
@@ -15,7 +15,7 @@ fn train(settings: &Settings) -> Vec<Row> {
     rows
 }
 
-fn mean(rows: &[Row], f: fn(&Row) -> f64) -> f64 {
+fn mean(rows: &[RoundMetrics], f: fn(&RoundMetrics) -> f64) -> f64 {
     rows.iter().map(f).sum::<f64>() / rows.len() as f64
 }
 
@@ -43,7 +43,7 @@ fn settings(graph: Aggregation) -> Settings {
 }
 
 /// Means over the first two rounds and over the last four.
-fn from_to(rows: &[Row], f: fn(&Row) -> f64) -> [f64; 2] {
+fn from_to(rows: &[RoundMetrics], f: fn(&RoundMetrics) -> f64) -> [f64; 2] {
     [mean(&rows[..2], f), mean(&rows[rows.len() - 4..], f)]
 }
 

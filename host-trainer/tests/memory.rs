@@ -60,7 +60,7 @@ fn memory_is_small_and_a_warm_trainer_asks_for_none_step_by_step() {
     let worlds = ["num_envs=8", "shards=2", "minibatch=400", "cloning_weight=0"];
     let count = |stage, settings: &[&str]| allocations(stage, &[&worlds, settings].concat());
     for stage in [Stage::Environment, Stage::Policy] {
-        // Two segments each; lists that hand work to threads are made a segment.
+        // Two rollouts each; lists that hand work to threads are made once a rollout.
         let (short, long) =
             (count(stage, &["steps=10", "rollout_steps=5"]), count(stage, &["steps=60", "rollout_steps=30"]));
         assert!(short > 0, "the count works");

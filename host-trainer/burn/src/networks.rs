@@ -10,7 +10,7 @@ use firmware_core::actor::Aggregation;
 /// Slope of the attention's leaky ReLU below zero.
 const LEAKY_SLOPE: f64 = 0.2;
 
-/// What the networks see of B world-steps of N UAVs each.
+/// Observations and communication graphs of B world-steps of N UAVs each.
 pub struct Batch {
     /// World-steps.
     pub world_steps: usize,
@@ -36,18 +36,18 @@ impl<'l> Parameters<'l> {
 
     /// The weights of this name, `[inputs, outputs]`.
     fn weights(&self, name: &str) -> Tensor<2> {
-        let p = self.piece(name);
+        let p = self.block(name);
         self.flat.clone().narrow(0, p.start, p.len()).reshape([p.inputs, p.outputs])
     }
 
     /// The bias of this name, `[outputs]`.
     fn bias(&self, name: &str) -> Tensor<1> {
-        let p = self.piece(name);
+        let p = self.block(name);
         self.flat.clone().narrow(0, p.start, p.len())
     }
 
-    fn piece(&self, name: &str) -> &ParameterBlock {
-        self.layout.pieces().iter().find(|p| p.name == name).unwrap_or_else(|| panic!("no piece {name}"))
+    fn block(&self, name: &str) -> &ParameterBlock {
+        self.layout.blocks().iter().find(|p| p.name == name).unwrap_or_else(|| panic!("no block {name}"))
     }
 
     /// `x·W + b`.
@@ -83,7 +83,7 @@ pub fn logits(p: &Parameters<'_>, aggregation: Aggregation, batch: &Batch) -> Te
     p.dense(relu(head), "output", "output bias")
 }
 
-/// `1/√(d_i d_j)` on links, `[B, N, N]`; a degree counts the UAV itself.
+/// GCN weights of equation (5): `1/√(d_i d_j)` on edges, `[B, N, N]`; a degree counts the UAV itself.
 fn degree_weights(neighbours: &Tensor<3>) -> Tensor<3> {
     let [b, n, _] = neighbours.dims();
     let root = neighbours.clone().sum_dim(2).sqrt().recip();
@@ -97,7 +97,7 @@ fn attention(p: &Parameters<'_>, feature: &Tensor<2>, batch: &Batch) -> Tensor<3
     let half = |a| feature.clone().matmul(p.weights("graph").matmul(p.weights(a)));
     let (receiver, sender) =
         (half("attention receiver").reshape([b, n, 1]), half("attention sender").reshape([b, 1, n]));
-    // What is not linked is 10⁹ below, so its weight is zero.
+    // The score of what is no edge is 10⁹ below, so its weight is zero.
     let mask = (batch.neighbours.clone() - 1.0) * 1e9;
     softmax(leaky_relu(receiver + sender, LEAKY_SLOPE) + mask, 2)
 }

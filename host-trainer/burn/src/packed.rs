@@ -25,14 +25,14 @@ impl Packed {
     ///
     /// # Panics
     /// When there are none, or not all of them have the same number of UAVs.
-    pub fn new(seen: &[GraphBatch<'_>], device: &Device) -> Self {
-        let uavs = seen.first().map_or(0, |s| s.uavs);
-        assert!(uavs > 0 && seen.iter().all(|s| s.uavs == uavs), "world-steps of the same number of UAVs");
-        let mut words = Vec::with_capacity(seen.iter().map(|s| s.observations.len() * OBSERVATION_WORDS).sum());
+    pub fn new(batches: &[GraphBatch<'_>], device: &Device) -> Self {
+        let uavs = batches.first().map_or(0, |b| b.uavs);
+        assert!(uavs > 0 && batches.iter().all(|b| b.uavs == uavs), "world-steps of the same number of UAVs");
+        let mut words = Vec::with_capacity(batches.iter().map(|b| b.observations.len() * OBSERVATION_WORDS).sum());
         let mut bits = Vec::new();
-        for s in seen {
-            s.observations.iter().for_each(|o| pack_observation(o, &mut words));
-            s.links.chunks_exact(uavs).for_each(|world| pack_neighbours(world, &mut bits));
+        for batch in batches {
+            batch.observations.iter().for_each(|o| pack_observation(o, &mut words));
+            batch.neighbours.chunks_exact(uavs).for_each(|world| pack_neighbours(world, &mut bits));
         }
         let world_steps = words.len() / (uavs * OBSERVATION_WORDS);
         let tensor = |words: Vec<i32>| {
@@ -77,10 +77,10 @@ fn pack_observation(observation: &Observation, words: &mut Vec<i32>) {
 /// A row of bits a UAV: itself and its neighbours.
 fn pack_neighbours(world: &[Neighbourhood], words: &mut Vec<i32>) {
     let width = world.len().div_ceil(32);
-    for (i, link) in world.iter().enumerate() {
+    for (i, neighbours) in world.iter().enumerate() {
         let first = words.len();
         words.resize(first + width, 0);
-        let ids = link.as_slice().iter().map(|&j| usize::from(j)).chain([i]);
+        let ids = neighbours.as_slice().iter().map(|&j| usize::from(j)).chain([i]);
         ids.for_each(|j| words[first + j / 32] |= 1 << (j % 32));
     }
 }

@@ -2,7 +2,7 @@
 
 mod work;
 
-use covey_net::kernel::{Finish, Product, Start};
+use covey_net::kernel::{Epilogue, Init, Product};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use firmware_core::actor::{Actor, Aggregation};
 use work::{Environment, Flight, Networks, large};
@@ -24,23 +24,23 @@ fn environment(c: &mut Criterion) {
 }
 
 fn networks(c: &mut Criterion) {
-    let mut group = c.benchmark_group("pass");
+    let mut group = c.benchmark_group("micro-batch");
     for aggregation in [Aggregation::None, Aggregation::Gcn, Aggregation::Gat] {
         let mut networks = Networks::new(aggregation, MINIBATCH);
         let name = aggregation.name();
-        group.throughput(Throughput::Elements(networks.pass()));
+        group.throughput(Throughput::Elements(networks.micro_batch()));
         group.bench_function(format!("actor forward, {name}"), |b| b.iter(|| networks.actor_forward()));
         group.bench_function(format!("actor gradient, {name}"), |b| b.iter(|| networks.actor_gradient()));
     }
     let mut networks = Networks::new(Aggregation::Gcn, MINIBATCH);
-    group.throughput(Throughput::Elements(networks.pass()));
+    group.throughput(Throughput::Elements(networks.micro_batch()));
     group.bench_function("critic forward", |b| b.iter(|| networks.critic_forward()));
     group.bench_function("critic gradient", |b| b.iter(|| networks.critic_gradient()));
     group.throughput(Throughput::Elements(networks.samples()));
     group.bench_function("gradients of a minibatch, gcn", |b| b.iter(|| networks.minibatch()));
 }
 
-/// Products of the layers' shapes for a pass of 120 samples, by the share of values that count.
+/// Products of the layers' shapes for a micro-batch of 120 samples, by the share of values that count.
 fn products(c: &mut Criterion) {
     const ROWS: usize = 120;
     let mut group = c.benchmark_group("product");
@@ -70,7 +70,7 @@ fn products(c: &mut Criterion) {
             let (mut out, mut active) = (vec![0.0; ROWS * columns], vec![0; ROWS]);
             group.throughput(Throughput::Elements(counted));
             group.bench_function(format!("{terms}x{columns}, {percent} % count"), |b| {
-                b.iter(|| product.run(Start::Zero, Finish::Relu { masks: &mut active, step: 1 }, &mut out, columns));
+                b.iter(|| product.run(Init::Zero, Epilogue::Relu { masks: &mut active, step: 1 }, &mut out, columns));
             });
         }
     }

@@ -10,8 +10,8 @@ use firmware_core::actor::{Actor, Aggregation};
 use std::process::ExitCode;
 use work::{Environment, Flight, Networks, large};
 
-/// World-steps that the networks see: two passes.
-const SEEN: usize = 12;
+/// World-steps that the networks take: two micro-batches.
+const WORLD_STEPS: usize = 12;
 
 /// Names of the parts.
 const PARTS: [&str; 11] = [
@@ -37,10 +37,10 @@ fn counted(part: &mut dyn FnMut()) {
 /// Warms up, then runs the part to count; returns agent-steps.
 fn run(part: &str) -> Option<u64> {
     let networks = |aggregation, part: fn(&mut Networks)| {
-        let mut networks = Networks::new(aggregation, SEEN);
+        let mut networks = Networks::new(aggregation, WORLD_STEPS);
         part(&mut networks);
         counted(&mut || part(&mut networks));
-        networks.pass()
+        networks.micro_batch()
     };
     let environment = |k| {
         let mut environment = Environment::new(&large(k));
@@ -67,7 +67,7 @@ fn run(part: &str) -> Option<u64> {
         "critic_forward" => networks(Aggregation::Gcn, Networks::critic_forward),
         "critic_gradient" => networks(Aggregation::Gcn, Networks::critic_gradient),
         "minibatch_gcn" => {
-            let mut networks = Networks::new(Aggregation::Gcn, SEEN);
+            let mut networks = Networks::new(Aggregation::Gcn, WORLD_STEPS);
             networks.minibatch();
             counted(&mut || networks.minibatch());
             networks.samples()

@@ -1,15 +1,15 @@
 //! The actor: encoder, aggregation, head on own feature and aggregate, 17 logits (paper,
 //! equations 5 to 7; figure 4).
 
-use crate::dense::{Bias, Dense, Gradient, Weights};
-use crate::encoder::{Encoder, EncoderGradient, EncoderPass};
-use crate::graph::{Attention, AttentionGradient, Edges};
-use crate::inputs::Inputs;
-use crate::matrix::{From, Rows, To};
+use crate::aggregation::{Aggregate, Attention, AttentionGradient};
+use crate::input::Inputs;
+use crate::kernel::Init;
+use crate::layers::{Bias, BlockGradient, Dense, Encoder, EncoderGradient, EncoderPass, Weights};
+use crate::matrix::{Activation, Rows};
 use crate::parameter_layout::ParameterLayout;
 use firmware_core::actor::Aggregation;
 
-/// An actor's parameters as products read them.
+/// An actor's parameters, laid out for the kernel's products.
 #[derive(Clone, Debug)]
 pub struct ActorNet {
     layout: ParameterLayout,
@@ -28,7 +28,8 @@ struct GraphLayer {
 }
 
 impl ActorNet {
-    /// For this layout, of an actor; all zeros until [`Self::load`].
+    /// An actor of this layout, which must be for this aggregation; all parameters are zero until
+    /// [`Self::load`].
     #[must_use]
     pub fn new(layout: &ParameterLayout, aggregation: Aggregation) -> Self {
         Self {
@@ -45,7 +46,7 @@ impl ActorNet {
         }
     }
 
-    /// Takes the parameters.
+    /// Takes the parameters, as many and in the order of the layout.
     pub fn load(&mut self, values: &[f32]) {
         let layout = &self.layout;
         self.encoder.load(layout, values);
@@ -62,7 +63,8 @@ impl ActorNet {
     }
 }
 
-/// Everything between observations and logits, a row a UAV; then the way back.
+/// The actor's activations of a micro-batch, a row a UAV, and after the backward pass the
+/// gradients by them.
 #[derive(Clone, Debug)]
 pub struct ActorPass {
     encoder: EncoderPass,
@@ -74,7 +76,7 @@ pub struct ActorPass {
 
 #[derive(Clone, Debug)]
 struct GraphPass {
-    edges: Edges,
+    aggregate: Aggregate,
     combined: Rows,
     output: Rows,
     by_combined: Rows,
@@ -82,14 +84,14 @@ struct GraphPass {
 }
 
 impl ActorPass {
-    /// For this layout, of an actor.
+    /// For actors of this layout.
     #[must_use]
     pub fn new(layout: &ParameterLayout) -> Self {
         let rows = |name| Rows::new(layout.shape(name).1);
         Self {
             encoder: EncoderPass::new(layout),
             graph: layout.has("graph").then(|| GraphPass {
-                edges: Edges::default(),
+                aggregate: Aggregate::default(),
                 combined: rows("graph"),
                 output: rows("graph"),
                 by_combined: rows("graph"),
@@ -107,37 +109,37 @@ impl ActorPass {
         self.encoder.forward(&net.encoder, inputs);
         let feature = &self.encoder.feature;
         if let (Some(pass), Some(layer)) = (&mut self.graph, &net.graph) {
-            pass.edges.forward(inputs, layer.attention.as_ref(), feature, &mut pass.combined);
-            layer.weights.forward(&pass.combined, To::Relu, &mut pass.output);
-            net.own.forward(feature, net.head_bias.start(), To::Plain, &mut self.head);
-            layer.head.forward(&pass.output, From::Kept, To::Relu, &mut self.head);
+            pass.aggregate.forward(inputs, layer.attention.as_ref(), feature, &mut pass.combined);
+            layer.weights.forward(&pass.combined, Activation::Relu, &mut pass.output);
+            net.own.forward(feature, net.head_bias.init(), Activation::Identity, &mut self.head);
+            layer.head.forward(&pass.output, Init::Accumulate, Activation::Relu, &mut self.head);
         } else {
-            net.own.forward(feature, net.head_bias.start(), To::Relu, &mut self.head);
+            net.own.forward(feature, net.head_bias.init(), Activation::Relu, &mut self.head);
         }
-        net.output.forward(&self.head, To::Plain, &mut self.logits);
+        net.output.forward(&self.head, Activation::Identity, &mut self.logits);
     }
 
-    /// Adds the gradient of the parameters to `sum`, after [`Self::forward`] with the same
-    /// net and inputs, when [`Self::logits_mut`] holds the gradient by the logits.
+    /// Adds the gradient by the parameters to `sum`, after [`Self::forward`] with the same net and
+    /// inputs, when [`Self::logits_mut`] holds the gradient by the logits.
     pub fn backward(&mut self, net: &ActorNet, inputs: &Inputs, sum: &mut ActorGradient) {
         let (feature, by_feature) = (&self.encoder.feature, &mut self.encoder.by_feature);
-        self.logits.mark_all();
+        self.logits.fill_masks();
         sum.output.add_weights(&self.head, &self.logits);
         sum.output_bias.add_bias(&self.logits);
-        net.output.backward(&self.logits, To::Gate(&self.head), &mut self.by_head);
+        net.output.backward(&self.logits, Activation::ReluGradient(&self.head), &mut self.by_head);
         sum.own.add_weights(feature, &self.by_head);
         sum.head_bias.add_bias(&self.by_head);
         if let (Some(pass), Some(layer), Some(sum)) = (&mut self.graph, &net.graph, &mut sum.graph) {
             sum.head.add_weights(&pass.output, &self.by_head);
-            layer.head.backward(&self.by_head, From::Zero, To::Gate(&pass.output), &mut pass.by_output);
+            layer.head.backward(&self.by_head, Init::Zero, Activation::ReluGradient(&pass.output), &mut pass.by_output);
             sum.weights.add_weights(&pass.combined, &pass.by_output);
             sum.bias.add_bias(&pass.by_output);
-            layer.weights.backward(&pass.by_output, To::Plain, &mut pass.by_combined);
+            layer.weights.backward(&pass.by_output, Activation::Identity, &mut pass.by_combined);
             let attention = layer.attention.as_ref().zip(sum.attention.as_mut());
-            pass.edges.backward(&pass.by_combined, feature, attention, by_feature);
-            net.own.backward(&self.by_head, From::Kept, To::Gate(feature), by_feature);
+            pass.aggregate.backward(&pass.by_combined, feature, attention, by_feature);
+            net.own.backward(&self.by_head, Init::Accumulate, Activation::ReluGradient(feature), by_feature);
         } else {
-            net.own.backward(&self.by_head, From::Zero, To::Gate(feature), by_feature);
+            net.own.backward(&self.by_head, Init::Zero, Activation::ReluGradient(feature), by_feature);
         }
         self.encoder.backward(&net.encoder, inputs, &mut sum.encoder);
     }
@@ -145,48 +147,48 @@ impl ActorPass {
     /// Multiply-adds in products, those with a zero left out: of a forward and of a
     /// backward pass.
     #[must_use]
-    pub fn work(&self, inputs: &Inputs) -> [u64; 2] {
-        let [mut forward, mut backward] = self.encoder.work(inputs);
+    pub fn multiply_adds(&self, inputs: &Inputs) -> [u64; 2] {
+        let [mut forward, mut backward] = self.encoder.multiply_adds(inputs);
         let (feature, head) = (self.encoder.feature.width() as u64, self.head.width() as u64);
         let outputs = self.logits.width() as u64;
-        let (rows, active) = (self.head.rows() as u64, self.head.marked());
-        let own = self.encoder.feature.marked() * head;
+        let (rows, active) = (self.head.rows() as u64, self.head.nonzeros());
+        let own = self.encoder.feature.nonzeros() * head;
         forward += own + active * outputs;
         backward += own + active * feature + 2 * rows * outputs * head;
         if let Some(g) = &self.graph {
-            let products = g.combined.marked() * feature + g.output.marked() * head;
+            let products = g.combined.nonzeros() * feature + g.output.nonzeros() * head;
             forward += products;
-            backward += products + active * feature + g.output.marked() * feature;
+            backward += products + active * feature + g.output.nonzeros() * feature;
         }
         [forward, backward]
     }
 
-    /// First hidden layer.
+    /// Activations of the first hidden layer, a row a UAV.
     #[must_use]
     pub const fn hidden(&self) -> &Rows {
         &self.encoder.hidden
     }
 
-    /// Feature `h`.
+    /// Features `h`, a row a UAV: what UAVs broadcast.
     #[must_use]
     pub const fn feature(&self) -> &Rows {
         &self.encoder.feature
     }
 
-    /// Neighbourhood's features combined, and the graph layer's output; none without
-    /// aggregation.
+    /// The combined features of each neighbourhood and the graph layer's outputs, a row a UAV; none
+    /// without aggregation.
     #[must_use]
     pub fn graph(&self) -> Option<(&Rows, &Rows)> {
         self.graph.as_ref().map(|g| (&g.combined, &g.output))
     }
 
-    /// Hidden layer of the head.
+    /// Activations of the head's hidden layer, a row a UAV.
     #[must_use]
     pub const fn head(&self) -> &Rows {
         &self.head
     }
 
-    /// Logits, 17 wide.
+    /// Logits, a row of 17 a UAV.
     #[must_use]
     pub const fn logits(&self) -> &Rows {
         &self.logits
@@ -198,40 +200,40 @@ impl ActorPass {
     }
 }
 
-/// Gradient of an actor's parameters: sums over samples.
+/// Gradient of the loss by an actor's parameters: a sum over samples.
 #[derive(Clone, Debug)]
 pub struct ActorGradient {
     layout: ParameterLayout,
     encoder: EncoderGradient,
-    own: Gradient,
-    head_bias: Gradient,
-    output: Gradient,
-    output_bias: Gradient,
+    own: BlockGradient,
+    head_bias: BlockGradient,
+    output: BlockGradient,
+    output_bias: BlockGradient,
     graph: Option<GraphGradient>,
 }
 
 #[derive(Clone, Debug)]
 struct GraphGradient {
-    weights: Gradient,
-    bias: Gradient,
-    head: Gradient,
+    weights: BlockGradient,
+    bias: BlockGradient,
+    head: BlockGradient,
     attention: Option<AttentionGradient>,
 }
 
 impl ActorGradient {
-    /// Zero, for this layout of an actor.
+    /// Zero, for actors of this layout.
     #[must_use]
     pub fn new(layout: &ParameterLayout) -> Self {
         Self {
             encoder: EncoderGradient::new(layout),
-            own: Gradient::of_weights(layout, "head own"),
-            head_bias: Gradient::of_bias(layout, "head"),
-            output: Gradient::of_narrow_weights(layout, "output"),
-            output_bias: Gradient::of_bias(layout, "output"),
+            own: BlockGradient::of_weights(layout, "head own"),
+            head_bias: BlockGradient::of_bias(layout, "head"),
+            output: BlockGradient::of_narrow_weights(layout, "output"),
+            output_bias: BlockGradient::of_bias(layout, "output"),
             graph: layout.has("graph").then(|| GraphGradient {
-                weights: Gradient::of_weights(layout, "graph"),
-                bias: Gradient::of_bias(layout, "graph"),
-                head: Gradient::of_weights(layout, "head aggregate"),
+                weights: BlockGradient::of_weights(layout, "graph"),
+                bias: BlockGradient::of_bias(layout, "graph"),
+                head: BlockGradient::of_weights(layout, "head aggregate"),
                 attention: layout.has("attention sender").then(|| AttentionGradient::new(layout.shape("graph").0)),
             }),
             layout: layout.clone(),
@@ -254,7 +256,8 @@ impl ActorGradient {
         }
     }
 
-    /// Writes it as a flat vector; `values` are the parameters it was taken at.
+    /// Writes it to a flat vector of the layout; `values` are the parameters that it was computed
+    /// at.
     pub fn store(&self, values: &[f32], out: &mut [f32]) {
         self.encoder.store(&self.layout, out);
         for g in [&self.own, &self.head_bias, &self.output, &self.output_bias] {

@@ -1,14 +1,13 @@
 //! The central critic: the observations of all UAVs, each embedded as in the actor, own
 //! embedding beside the mean over all; one value a UAV.
 
-use crate::dense::{Bias, Dense, Gradient, Weights};
-use crate::encoder::{Encoder, EncoderGradient, EncoderPass};
-use crate::inputs::Inputs;
-use crate::kernel::{Vectorised, vectorised};
-use crate::matrix::{From, Rows, To};
+use crate::input::Inputs;
+use crate::kernel::{Init, Vectorised, vectorised};
+use crate::layers::{Bias, BlockGradient, Dense, Encoder, EncoderGradient, EncoderPass, Weights};
+use crate::matrix::{Activation, Rows};
 use crate::parameter_layout::ParameterLayout;
 
-/// A critic's parameters as products read them.
+/// A critic's parameters, laid out for the kernel's products.
 #[derive(Clone, Debug)]
 pub struct CriticNet {
     layout: ParameterLayout,
@@ -20,7 +19,7 @@ pub struct CriticNet {
 }
 
 impl CriticNet {
-    /// For this layout, of a critic; all zeros until [`Self::load`].
+    /// A critic of this layout; all parameters are zero until [`Self::load`].
     #[must_use]
     pub fn new(layout: &ParameterLayout) -> Self {
         Self {
@@ -33,7 +32,7 @@ impl CriticNet {
         }
     }
 
-    /// Takes the parameters.
+    /// Takes the parameters, as many and in the order of the layout.
     pub fn load(&mut self, values: &[f32]) {
         let layout = &self.layout;
         self.encoder.load(layout, values);
@@ -44,13 +43,14 @@ impl CriticNet {
     }
 }
 
-/// Everything between observations and values, a row a UAV; then the way back.
+/// The critic's activations of a micro-batch, a row a UAV, and after the backward pass the
+/// gradients by them.
 #[derive(Clone, Debug)]
 pub struct CriticPass {
     encoder: EncoderPass,
     /// Mean feature, a row a world.
     mean: Rows,
-    /// What a world's UAVs share before the head's ReLU, and its gradient.
+    /// The mean's part of the head before its ReLU, a row a world; then the gradient by it.
     shared: Rows,
     by_mean: Rows,
     head: Rows,
@@ -59,7 +59,7 @@ pub struct CriticPass {
 }
 
 impl CriticPass {
-    /// For this layout, of a critic.
+    /// For critics of this layout.
     #[must_use]
     pub fn new(layout: &ParameterLayout) -> Self {
         let rows = |name| Rows::new(layout.shape(name).1);
@@ -74,56 +74,56 @@ impl CriticPass {
         }
     }
 
-    /// Computes the values.
+    /// Computes the normalised values.
     pub fn forward(&mut self, net: &CriticNet, inputs: &Inputs) {
         self.encoder.forward(&net.encoder, inputs);
         let feature = &self.encoder.feature;
         self.mean.resize(feature.rows() / inputs.uavs());
         let scale = (inputs.uavs() as f32).recip();
-        vectorised(SumWorlds { rows: feature, uavs: inputs.uavs(), scale, sums: &mut self.mean });
-        self.mean.mark_all();
-        net.mean.forward(&self.mean, net.head_bias.start(), To::Plain, &mut self.shared);
+        vectorised(SumOverUavs { rows: feature, uavs: inputs.uavs(), scale, sums: &mut self.mean });
+        self.mean.fill_masks();
+        net.mean.forward(&self.mean, net.head_bias.init(), Activation::Identity, &mut self.shared);
         self.head.resize(feature.rows());
-        vectorised(Share { rows: &mut self.head, uavs: inputs.uavs(), scale: None, shared: &self.shared });
-        net.own.forward(feature, From::Kept, To::Relu, &mut self.head);
-        net.output.forward(&self.head, To::Plain, &mut self.values);
+        vectorised(BroadcastToUavs { rows: &mut self.head, uavs: inputs.uavs(), scale: None, shared: &self.shared });
+        net.own.forward(feature, Init::Accumulate, Activation::Relu, &mut self.head);
+        net.output.forward(&self.head, Activation::Identity, &mut self.values);
     }
 
-    /// Adds the gradient of the parameters to `sum`, after [`Self::forward`] with the same
-    /// net and inputs, when [`Self::values_mut`] holds the gradient by the values.
+    /// Adds the gradient by the parameters to `sum`, after [`Self::forward`] with the same net and
+    /// inputs, when [`Self::values_mut`] holds the gradient by the values.
     pub fn backward(&mut self, net: &CriticNet, inputs: &Inputs, sum: &mut CriticGradient) {
         let (feature, by_feature) = (&self.encoder.feature, &mut self.encoder.by_feature);
         let uavs = inputs.uavs();
-        self.values.mark_all();
+        self.values.fill_masks();
         sum.output.add_weights(&self.head, &self.values);
         sum.output_bias.add_bias(&self.values);
-        net.output.backward(&self.values, To::Gate(&self.head), &mut self.by_head);
-        vectorised(SumWorlds { rows: &self.by_head, uavs, scale: 1.0, sums: &mut self.shared });
-        self.shared.mark_all();
+        net.output.backward(&self.values, Activation::ReluGradient(&self.head), &mut self.by_head);
+        vectorised(SumOverUavs { rows: &self.by_head, uavs, scale: 1.0, sums: &mut self.shared });
+        self.shared.fill_masks();
         sum.mean.add_weights(&self.mean, &self.shared);
         sum.head_bias.add_bias(&self.shared);
-        net.mean.backward(&self.shared, From::Zero, To::Plain, &mut self.by_mean);
+        net.mean.backward(&self.shared, Init::Zero, Activation::Identity, &mut self.by_mean);
         sum.own.add_weights(feature, &self.by_head);
         by_feature.resize(feature.rows());
         let scale = Some((uavs as f32).recip());
-        vectorised(Share { rows: by_feature, uavs, scale, shared: &self.by_mean });
-        net.own.backward(&self.by_head, From::Kept, To::Gate(feature), by_feature);
+        vectorised(BroadcastToUavs { rows: by_feature, uavs, scale, shared: &self.by_mean });
+        net.own.backward(&self.by_head, Init::Accumulate, Activation::ReluGradient(feature), by_feature);
         self.encoder.backward(&net.encoder, inputs, &mut sum.encoder);
     }
 
     /// Multiply-adds in products, those with a zero left out: of a forward and of a
     /// backward pass.
     #[must_use]
-    pub fn work(&self, inputs: &Inputs) -> [u64; 2] {
-        let [forward, backward] = self.encoder.work(inputs);
+    pub fn multiply_adds(&self, inputs: &Inputs) -> [u64; 2] {
+        let [forward, backward] = self.encoder.multiply_adds(inputs);
         let (feature, head) = (self.encoder.feature.width() as u64, self.head.width() as u64);
-        let (rows, active) = (self.head.rows() as u64, self.head.marked());
-        let own = self.encoder.feature.marked() * head;
+        let (rows, active) = (self.head.rows() as u64, self.head.nonzeros());
+        let own = self.encoder.feature.nonzeros() * head;
         let mean = self.mean.rows() as u64 * feature * head;
         [forward + own + mean + active, backward + own + active * feature + 2 * mean + 2 * rows * head]
     }
 
-    /// Normalised values, 1 wide.
+    /// Normalised values, a row of one a UAV.
     #[must_use]
     pub const fn values(&self) -> &Rows {
         &self.values
@@ -136,23 +136,23 @@ impl CriticPass {
 }
 
 /// `sums[w] = scale · Σ rows` over the UAVs of world w.
-struct SumWorlds<'a> {
+struct SumOverUavs<'a> {
     rows: &'a Rows,
     uavs: usize,
     scale: f32,
     sums: &'a mut Rows,
 }
 
-impl Vectorised for SumWorlds<'_> {
+impl Vectorised for SumOverUavs<'_> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let step = self.rows.step();
-        let worlds = self.rows.values().chunks_exact(step * self.uavs);
-        for (sum, world) in self.sums.values_mut().chunks_exact_mut(step).zip(worlds) {
+        let stride = self.rows.stride();
+        let worlds = self.rows.values().chunks_exact(stride * self.uavs);
+        for (sum, world) in self.sums.values_mut().chunks_exact_mut(stride).zip(worlds) {
             sum.fill(0.0);
-            for row in world.chunks_exact(step) {
+            for row in world.chunks_exact(stride) {
                 sum.iter_mut().zip(row).for_each(|(s, v)| *s += v);
             }
             sum.iter_mut().for_each(|s| *s *= self.scale);
@@ -160,23 +160,23 @@ impl Vectorised for SumWorlds<'_> {
     }
 }
 
-/// Gives every UAV the row of its world, scaled if asked for.
-struct Share<'a> {
+/// Copies the row of each world to all its UAVs, times `scale` if there is one.
+struct BroadcastToUavs<'a> {
     rows: &'a mut Rows,
     uavs: usize,
     scale: Option<f32>,
     shared: &'a Rows,
 }
 
-impl Vectorised for Share<'_> {
+impl Vectorised for BroadcastToUavs<'_> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let step = self.shared.step();
-        let worlds = self.rows.values_mut().chunks_exact_mut(step * self.uavs);
-        for (world, shared) in worlds.zip(self.shared.values().chunks_exact(step)) {
-            for row in world.chunks_exact_mut(step) {
+        let stride = self.shared.stride();
+        let worlds = self.rows.values_mut().chunks_exact_mut(stride * self.uavs);
+        for (world, shared) in worlds.zip(self.shared.values().chunks_exact(stride)) {
+            for row in world.chunks_exact_mut(stride) {
                 match self.scale {
                     None => row.copy_from_slice(shared),
                     Some(scale) => row.iter_mut().zip(shared).for_each(|(r, s)| *r = scale * s),
@@ -186,29 +186,29 @@ impl Vectorised for Share<'_> {
     }
 }
 
-/// Gradient of a critic's parameters: sums over samples.
+/// Gradient of the loss by a critic's parameters: a sum over samples.
 #[derive(Clone, Debug)]
 pub struct CriticGradient {
     layout: ParameterLayout,
     encoder: EncoderGradient,
-    own: Gradient,
-    mean: Gradient,
-    head_bias: Gradient,
-    output: Gradient,
-    output_bias: Gradient,
+    own: BlockGradient,
+    mean: BlockGradient,
+    head_bias: BlockGradient,
+    output: BlockGradient,
+    output_bias: BlockGradient,
 }
 
 impl CriticGradient {
-    /// Zero, for this layout of a critic.
+    /// Zero, for critics of this layout.
     #[must_use]
     pub fn new(layout: &ParameterLayout) -> Self {
         Self {
             encoder: EncoderGradient::new(layout),
-            own: Gradient::of_weights(layout, "head own"),
-            mean: Gradient::of_weights(layout, "head mean"),
-            head_bias: Gradient::of_bias(layout, "head"),
-            output: Gradient::of_narrow_weights(layout, "output"),
-            output_bias: Gradient::of_bias(layout, "output"),
+            own: BlockGradient::of_weights(layout, "head own"),
+            mean: BlockGradient::of_weights(layout, "head mean"),
+            head_bias: BlockGradient::of_bias(layout, "head"),
+            output: BlockGradient::of_narrow_weights(layout, "output"),
+            output_bias: BlockGradient::of_bias(layout, "output"),
             layout: layout.clone(),
         }
     }
@@ -221,7 +221,7 @@ impl CriticGradient {
         }
     }
 
-    /// Writes it as a flat vector.
+    /// Writes it to a flat vector of the layout.
     pub fn store(&self, out: &mut [f32]) {
         self.encoder.store(&self.layout, out);
         for g in [&self.own, &self.mean, &self.head_bias, &self.output, &self.output_bias] {

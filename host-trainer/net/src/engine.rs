@@ -1,29 +1,38 @@
-//! The seam behind which the networks may be computed elsewhere: on a GPU.
+//! The interface of devices that compute the networks, such as GPUs.
 
+use crate::actor_critic::ActorCritic;
 use crate::matrix::Rows;
 use covey_env::Neighbourhood;
 use firmware_core::action::ACTIONS;
 use firmware_core::observation::Observation;
 use thiserror::Error;
 
-/// What all UAVs of some world-steps see: an observation and the neighbours of each.
+/// The observations and communication graphs of some world-steps (a world at a step each).
 #[derive(Clone, Copy, Debug)]
 pub struct GraphBatch<'s> {
-    /// UAVs in a world, the same in every one of a call.
+    /// UAVs in a world, the same number in all batches of a call.
     pub uavs: usize,
-    /// Observations in the compact form, world-step by world-step.
+    /// An observation in the compact form of every UAV, world-step by world-step.
     pub observations: &'s [Observation],
-    /// Kept neighbours, as `observations`.
-    pub links: &'s [Neighbourhood],
+    /// The kept neighbours of every UAV, as indices into its world, likewise.
+    pub neighbours: &'s [Neighbourhood],
 }
 
-/// Logits and normalised values of some world-steps, a row a UAV; in their places
-/// afterwards, the gradient of the loss by them.
+impl GraphBatch<'_> {
+    /// Number of world-steps.
+    #[must_use]
+    pub const fn world_steps(&self) -> usize {
+        self.neighbours.len() / self.uavs
+    }
+}
+
+/// Logits and normalised values of some world-steps, a row a UAV; after the loss, in their places,
+/// the gradients by them.
 #[derive(Clone, Debug)]
 pub struct Outputs {
-    /// 17 wide.
+    /// Logits, 17 wide.
     pub logits: Rows,
-    /// 1 wide.
+    /// Normalised values, 1 wide.
     pub values: Rows,
 }
 
@@ -33,29 +42,29 @@ impl Default for Outputs {
     }
 }
 
-/// Why an engine is of no use.
+/// Why a device cannot compute the networks.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum EngineError {
     /// The device gave up: most often its memory is full.
-    #[error("{device} failed: {why}; with fewer `worlds` or a smaller `minibatch` it needs less memory")]
+    #[error("{device} failed: {why}; with a smaller `num_envs` or `minibatch` it needs less memory")]
     Failed {
-        /// The engine.
+        /// Its name.
         device: String,
         /// What it said.
         why: String,
     },
-    /// It computes no such run.
+    /// Devices do not take such a run.
     #[error("networks on {device} train with `{setting}` only: set that, or train with `--device cpu`")]
     Unsupported {
-        /// The engine.
+        /// Its name.
         device: String,
         /// The one setting that it takes.
         setting: &'static str,
     },
-    /// Its numbers are not those of the networks by hand.
+    /// Its numbers are not those that the CPU computes.
     #[error("{device} computes {what} wrong (off by {error:.1e} of the greatest): train with `--device cpu`")]
     Wrong {
-        /// The engine.
+        /// Its name.
         device: String,
         /// Which numbers.
         what: &'static str,
@@ -64,28 +73,29 @@ pub enum EngineError {
     },
 }
 
-/// Computes both networks of many world-steps in one go.
+/// A device that computes both networks of many world-steps at once.
 ///
-/// Parameters and gradients cross it as the flat vectors of [`ParameterLayout`](crate::ParameterLayout), actor
-/// first; the optimiser stays on this side.
+/// Parameters and gradients cross this interface as the flat vectors of
+/// [`ParameterLayout`](crate::ParameterLayout); loss and optimiser stay with the caller.
 pub trait Engine: Send {
-    /// What it computes on, for messages.
+    /// Name of the device, for messages.
     fn name(&self) -> String;
 
     /// Takes the parameters of actor and critic.
-    fn load(&mut self, parameters: [&[f32]; 2]);
+    fn load_parameters(&mut self, parameters: ActorCritic<&[f32]>);
 
-    /// Computes logits and values of world-steps, one after the other.
+    /// Computes logits and values of all world-steps, in their order.
     ///
     /// # Errors
     /// When the device fails.
-    fn forward(&mut self, seen: &[GraphBatch<'_>], out: &mut Outputs) -> Result<(), EngineError>;
+    fn forward(&mut self, batches: &[GraphBatch<'_>], out: &mut Outputs) -> Result<(), EngineError>;
 
-    /// Keeps world-steps for [`Self::gradient`], instead of those it kept before.
-    fn hold(&mut self, seen: &[GraphBatch<'_>]);
+    /// Takes the world-steps of a rollout for [`Self::gradient`], instead of those before.
+    fn load_rollout(&mut self, batches: &[GraphBatch<'_>]);
 
-    /// The gradients of a loss of some of the held world-steps, which are numbered in their
-    /// order. `loss` is given their outputs and writes the gradient by them in their place.
+    /// Computes the gradients of a loss of some of the rollout's world-steps, which are numbered in
+    /// the order of [`Self::load_rollout`]. `loss` is given their outputs and writes the gradients
+    /// by them in their place.
     ///
     /// # Errors
     /// When the device fails.
@@ -94,6 +104,6 @@ pub trait Engine: Send {
         world_steps: &[u32],
         out: &mut Outputs,
         loss: &mut dyn FnMut(&mut Outputs),
-        gradients: &mut [Vec<f32>; 2],
+        gradients: &mut ActorCritic<Vec<f32>>,
     ) -> Result<(), EngineError>;
 }

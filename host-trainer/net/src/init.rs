@@ -4,16 +4,17 @@ use crate::parameter_layout::ParameterLayout;
 use covey_env::random::{normal_pair, stream};
 use rand_chacha::ChaCha8Rng;
 
-/// Fresh parameters: every weight matrix orthogonal times its gain, biases zero.
+/// Fresh parameters of a layout: every weight matrix orthogonal (Saxe et al. 2014) times its gain,
+/// biases zero. `purpose` and `seed` name the random stream.
 #[must_use]
 pub fn initialise(layout: &ParameterLayout, purpose: &str, seed: u64) -> Vec<f32> {
     let mut random = stream(purpose, seed, 0);
     let mut values = Vec::with_capacity(layout.len());
-    for piece in layout.pieces() {
-        if piece.gain == 0.0 {
-            values.extend(std::iter::repeat_n(0.0, piece.len()));
+    for block in layout.blocks() {
+        if block.gain == 0.0 {
+            values.extend(std::iter::repeat_n(0.0, block.len()));
         } else {
-            values.extend(orthogonal(piece.inputs, piece.outputs, &mut random).into_iter().map(|v| v * piece.gain));
+            values.extend(orthogonal(block.inputs, block.outputs, &mut random).into_iter().map(|v| v * block.gain));
         }
     }
     values

@@ -1,4 +1,4 @@
-//! Places of the parameters in a network's flat vector.
+//! Where weights and biases lie in a network's flat parameter vector.
 
 use firmware_core::action::ACTIONS;
 use firmware_core::actor::{Aggregation, Dimensions};
@@ -6,7 +6,7 @@ use firmware_core::actor::{Aggregation, Dimensions};
 /// One weight matrix (`inputs × outputs`, row-major) or bias (`1 × outputs`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParameterBlock {
-    /// What it is.
+    /// Name, unique in its layout.
     pub name: &'static str,
     /// Rows: inputs, or 1 for a bias.
     pub inputs: usize,
@@ -14,28 +14,28 @@ pub struct ParameterBlock {
     pub outputs: usize,
     /// Gain of the orthogonal initialisation; 0 starts at zero.
     pub gain: f32,
-    /// First place in the flat vector.
+    /// Index of its first number in the flat vector.
     pub start: usize,
 }
 
 impl ParameterBlock {
-    /// Numbers in it.
+    /// How many numbers it has.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.inputs * self.outputs
     }
 
-    /// Whether it has none.
+    /// Whether it has no numbers.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// The pieces of a network in the order of its flat vector.
+/// The blocks of a network's flat parameter vector, in order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParameterLayout {
-    pieces: Vec<ParameterBlock>,
+    blocks: Vec<ParameterBlock>,
 }
 
 /// Gain before a ReLU.
@@ -44,15 +44,15 @@ const RELU_GAIN: f32 = std::f32::consts::SQRT_2;
 impl ParameterLayout {
     fn new(parts: &[(&'static str, usize, usize, f32)]) -> Self {
         let mut start = 0;
-        let pieces = parts
+        let blocks = parts
             .iter()
             .map(|&(name, inputs, outputs, gain)| {
-                let piece = ParameterBlock { name, inputs, outputs, gain, start };
-                start += piece.len();
-                piece
+                let block = ParameterBlock { name, inputs, outputs, gain, start };
+                start += block.len();
+                block
             })
             .collect();
-        Self { pieces }
+        Self { blocks }
     }
 
     /// The actor: encoder of two layers, aggregation, head on own feature and
@@ -98,56 +98,56 @@ impl ParameterLayout {
         ])
     }
 
-    /// The pieces in order.
+    /// The blocks in order.
     #[must_use]
-    pub fn pieces(&self) -> &[ParameterBlock] {
-        &self.pieces
+    pub fn blocks(&self) -> &[ParameterBlock] {
+        &self.blocks
     }
 
     /// Length of the flat vector.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.pieces.iter().map(ParameterBlock::len).sum()
+        self.blocks.iter().map(ParameterBlock::len).sum()
     }
 
     /// Whether the network has no parameters.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.pieces.is_empty()
+        self.blocks.is_empty()
     }
 
-    /// The numbers of the piece of this name (empty if there is none).
+    /// The numbers of the block of this name (empty if there is none).
     #[must_use]
-    pub fn piece<'v>(&self, values: &'v [f32], name: &str) -> &'v [f32] {
-        self.pieces.iter().find(|p| p.name == name).map_or(&[], |p| &values[p.start..p.start + p.len()])
+    pub fn block<'v>(&self, values: &'v [f32], name: &str) -> &'v [f32] {
+        self.blocks.iter().find(|p| p.name == name).map_or(&[], |p| &values[p.start..p.start + p.len()])
     }
 
-    /// Whether there is a piece of this name.
+    /// Whether there is a block of this name.
     #[must_use]
     pub fn has(&self, name: &str) -> bool {
-        self.pieces.iter().any(|p| p.name == name)
+        self.blocks.iter().any(|p| p.name == name)
     }
 
-    /// Rows and columns of the piece of this name.
+    /// Rows and columns of the block of this name.
     ///
     /// # Panics
     /// When there is none.
     #[must_use]
     pub fn shape(&self, name: &str) -> (usize, usize) {
-        let piece = self.find(name);
-        (piece.inputs, piece.outputs)
+        let block = self.find(name);
+        (block.inputs, block.outputs)
     }
 
-    /// The numbers of the piece of this name.
+    /// The numbers of the block of this name.
     ///
     /// # Panics
     /// When there is none.
-    pub fn piece_mut<'v>(&self, values: &'v mut [f32], name: &str) -> &'v mut [f32] {
-        let piece = self.find(name);
-        &mut values[piece.start..piece.start + piece.len()]
+    pub fn block_mut<'v>(&self, values: &'v mut [f32], name: &str) -> &'v mut [f32] {
+        let block = self.find(name);
+        &mut values[block.start..block.start + block.len()]
     }
 
     fn find(&self, name: &str) -> &ParameterBlock {
-        self.pieces.iter().find(|p| p.name == name).unwrap_or_else(|| panic!("no piece {name}"))
+        self.blocks.iter().find(|p| p.name == name).unwrap_or_else(|| panic!("no block {name}"))
     }
 }

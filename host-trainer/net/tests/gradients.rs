@@ -21,20 +21,23 @@ fn noise(k: usize) -> f64 {
     ((z ^ (z >> 29)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }
 
-/// What the UAVs of two crowded worlds see.
+/// Observations and neighbours of the UAVs of two crowded worlds.
 fn situations() -> (Vec<Observation>, Vec<Neighbourhood>) {
     let scenario = Scenario { uavs: UAVS, pois: 30, side_u: 40.0, steps: 9, distribution: PoiDistribution::Uniform };
     let mut world = World::new(&scenario).expect("a scenario");
-    let (mut observations, mut links) = (vec![[0; LEN]; 2 * UAVS], vec![Neighbourhood::default(); 2 * UAVS]);
+    let (mut observations, mut neighbours) = (vec![[0; LEN]; 2 * UAVS], vec![Neighbourhood::default(); 2 * UAVS]);
     for k in 0..2 {
         world.reset(5, k as u64);
         world.step(&[Action::new(3).expect("an action"); UAVS]);
         let place = k * UAVS..(k + 1) * UAVS;
-        Observer::new(9, 1).observe(&world, &mut observations[place.clone()], &mut links[place]);
+        Observer::new(9, 1).observe(&world, &mut observations[place.clone()], &mut neighbours[place]);
     }
-    let degrees: Vec<u8> = links.iter().map(|l| l.count).collect();
-    assert!(degrees.contains(&0) && degrees.contains(&3) && degrees.contains(&5), "links of all kinds: {degrees:?}");
-    (observations, links)
+    let degrees: Vec<u8> = neighbours.iter().map(|n| n.count).collect();
+    assert!(
+        degrees.contains(&0) && degrees.contains(&3) && degrees.contains(&5),
+        "neighbourhoods of all sizes: {degrees:?}"
+    );
+    (observations, neighbours)
 }
 
 /// A fresh network with biases that are not zero and outputs that are not tiny.
@@ -53,14 +56,14 @@ struct Named<'p> {
 }
 
 impl Named<'_> {
-    fn piece(&self, name: &str) -> &[f64] {
-        let p = self.layout.pieces().iter().find(|p| p.name == name).unwrap_or_else(|| panic!("no piece {name}"));
+    fn block(&self, name: &str) -> &[f64] {
+        let p = self.layout.blocks().iter().find(|p| p.name == name).unwrap_or_else(|| panic!("no block {name}"));
         &self.values[p.start..p.start + p.len()]
     }
 
     /// `x·W`.
     fn times(&self, x: &[f64], weights: &str) -> Vec<f64> {
-        let w = self.piece(weights);
+        let w = self.block(weights);
         let outputs = w.len() / x.len();
         assert_eq!(w.len(), outputs * x.len(), "{weights}");
         (0..outputs).map(|o| x.iter().enumerate().map(|(i, x)| x * w[i * outputs + o]).sum()).collect()
@@ -68,7 +71,7 @@ impl Named<'_> {
 
     /// `x·W + b`.
     fn dense(&self, x: &[f64], weights: &str) -> Vec<f64> {
-        sum(self.times(x, weights), self.piece(&format!("{weights} bias")))
+        sum(self.times(x, weights), self.block(&format!("{weights} bias")))
     }
 
     fn encode(&self, observation: &Observation) -> Vec<f64> {
@@ -88,40 +91,53 @@ fn relu(v: Vec<f64>) -> Vec<f64> {
 
 /// Row i of the matrix by which features are weighed: `D^(−1/2) A D^(−1/2)` of equation
 /// (5), or α of equation (6).
-fn weights(p: &Named<'_>, aggregation: Aggregation, h: &[Vec<f64>], links: &[Neighbourhood], i: usize) -> Vec<f64> {
+fn weights(
+    p: &Named<'_>,
+    aggregation: Aggregation,
+    h: &[Vec<f64>],
+    neighbours: &[Neighbourhood],
+    i: usize,
+) -> Vec<f64> {
     // A has ones on its diagonal.
-    let linked = |i: usize, j: usize| i == j || links[i].as_slice().contains(&(j as u16));
-    let degree = |i: usize| (0..h.len()).filter(|&j| linked(i, j)).count() as f64;
+    let connected = |i: usize, j: usize| i == j || neighbours[i].as_slice().contains(&(j as u16));
+    let degree = |i: usize| (0..h.len()).filter(|&j| connected(i, j)).count() as f64;
     if aggregation == Aggregation::Gcn {
-        return (0..h.len()).map(|j| if linked(i, j) { 1.0 / (degree(i) * degree(j)).sqrt() } else { 0.0 }).collect();
+        return (0..h.len())
+            .map(|j| if connected(i, j) { 1.0 / (degree(i) * degree(j)).sqrt() } else { 0.0 })
+            .collect();
     }
-    let a = [p.piece("attention receiver"), p.piece("attention sender")].concat();
+    let a = [p.block("attention receiver"), p.block("attention sender")].concat();
     let score = |j: usize| {
         let both = [p.times(&h[i], "graph"), p.times(&h[j], "graph")].concat();
         let s: f64 = both.iter().zip(&a).map(|(x, a)| x * a).sum();
         if s < 0.0 { 0.2 * s } else { s }
     };
-    let powers: Vec<f64> = (0..h.len()).map(|j| if linked(i, j) { score(j).exp() } else { 0.0 }).collect();
+    let powers: Vec<f64> = (0..h.len()).map(|j| if connected(i, j) { score(j).exp() } else { 0.0 }).collect();
     let total: f64 = powers.iter().sum();
     powers.into_iter().map(|e| e / total).collect()
 }
 
 /// Logits of the UAVs of one world.
-fn actor(p: &Named<'_>, aggregation: Aggregation, observations: &[Observation], links: &[Neighbourhood]) -> Vec<f64> {
+fn actor(
+    p: &Named<'_>,
+    aggregation: Aggregation,
+    observations: &[Observation],
+    neighbours: &[Neighbourhood],
+) -> Vec<f64> {
     let h: Vec<Vec<f64>> = observations.iter().map(|o| p.encode(o)).collect();
     let mut logits = Vec::new();
     for (i, own) in h.iter().enumerate() {
         let mut head = p.times(own, "head own");
         if aggregation != Aggregation::None {
             // σ(Σ_j weight_ij·h_j·W): equations (5) and (7).
-            let mut y = p.piece("graph bias").to_vec();
-            for (weight, h) in weights(p, aggregation, &h, links, i).into_iter().zip(&h) {
+            let mut y = p.block("graph bias").to_vec();
+            for (weight, h) in weights(p, aggregation, &h, neighbours, i).into_iter().zip(&h) {
                 let part: Vec<f64> = p.times(h, "graph").into_iter().map(|v| weight * v).collect();
                 y = sum(y, &part);
             }
             head = sum(head, &p.times(&relu(y), "head aggregate"));
         }
-        logits.extend(p.dense(&relu(sum(head, p.piece("head bias"))), "output"));
+        logits.extend(p.dense(&relu(sum(head, p.block("head bias"))), "output"));
     }
     logits
 }
@@ -130,7 +146,7 @@ fn actor(p: &Named<'_>, aggregation: Aggregation, observations: &[Observation], 
 fn critic(p: &Named<'_>, observations: &[Observation]) -> Vec<f64> {
     let e: Vec<Vec<f64>> = observations.iter().map(|o| p.encode(o)).collect();
     let mean: Vec<f64> = (0..e[0].len()).map(|k| e.iter().map(|e| e[k]).sum::<f64>() / e.len() as f64).collect();
-    let shared = sum(p.times(&mean, "head mean"), p.piece("head bias"));
+    let shared = sum(p.times(&mean, "head mean"), p.block("head bias"));
     e.iter().flat_map(|own| p.dense(&relu(sum(p.times(own, "head own"), &shared)), "output")).collect()
 }
 
@@ -139,7 +155,7 @@ fn critic(p: &Named<'_>, observations: &[Observation]) -> Vec<f64> {
 /// A network both ways.
 trait Network {
     fn layout(&self) -> ParameterLayout;
-    fn in_loops(&self, p: &Named<'_>, observations: &[Observation], links: &[Neighbourhood]) -> Vec<f64>;
+    fn in_loops(&self, p: &Named<'_>, observations: &[Observation], neighbours: &[Neighbourhood]) -> Vec<f64>;
     /// Outputs, and the gradient of Σ_k c_k·output_k.
     fn by_hand(&self, values: &[f32], inputs: &Inputs, coefficients: &[f64]) -> (Vec<f32>, Vec<f32>);
 }
@@ -149,9 +165,9 @@ struct Critic;
 
 /// The numbers of all rows; then `coefficients` stand there.
 fn exchange(rows: &mut Rows, coefficients: &[f64]) -> Vec<f32> {
-    let (step, width) = (rows.step(), rows.width());
+    let (stride, width) = (rows.stride(), rows.width());
     let mut out = Vec::new();
-    for (row, c) in rows.values_mut().chunks_exact_mut(step).zip(coefficients.chunks_exact(width)) {
+    for (row, c) in rows.values_mut().chunks_exact_mut(stride).zip(coefficients.chunks_exact(width)) {
         out.extend_from_slice(&row[..width]);
         row.iter_mut().zip(c).for_each(|(r, &c)| *r = c as f32);
     }
@@ -162,8 +178,8 @@ impl Network for Actor {
     fn layout(&self) -> ParameterLayout {
         ParameterLayout::actor(DIMENSIONS, self.0)
     }
-    fn in_loops(&self, p: &Named<'_>, observations: &[Observation], links: &[Neighbourhood]) -> Vec<f64> {
-        actor(p, self.0, observations, links)
+    fn in_loops(&self, p: &Named<'_>, observations: &[Observation], neighbours: &[Neighbourhood]) -> Vec<f64> {
+        actor(p, self.0, observations, neighbours)
     }
     fn by_hand(&self, values: &[f32], inputs: &Inputs, coefficients: &[f64]) -> (Vec<f32>, Vec<f32>) {
         let layout = self.layout();
@@ -205,23 +221,23 @@ fn in_loops(
     net: &impl Network,
     layout: &ParameterLayout,
     values: &[f64],
-    seen: &(Vec<Observation>, Vec<Neighbourhood>),
+    states: &(Vec<Observation>, Vec<Neighbourhood>),
 ) -> Vec<f64> {
-    let worlds = seen.0.chunks_exact(UAVS).zip(seen.1.chunks_exact(UAVS));
+    let worlds = states.0.chunks_exact(UAVS).zip(states.1.chunks_exact(UAVS));
     worlds.flat_map(|(o, l)| net.in_loops(&Named { layout, values }, o, l)).collect()
 }
 
 fn check(net: &impl Network) {
-    let (layout, seen) = (net.layout(), situations());
+    let (layout, states) = (net.layout(), situations());
     let values = parameters(&layout);
     let exact: Vec<f64> = values.iter().map(|&v| v.into()).collect();
-    let wanted = in_loops(net, &layout, &exact, &seen);
+    let wanted = in_loops(net, &layout, &exact, &states);
     let scale = wanted.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     assert!(scale > 0.1, "a dead network shows nothing");
 
     let mut inputs = Inputs::new(LEN);
     inputs.clear(UAVS);
-    inputs.push(&seen.0, &seen.1);
+    inputs.push(&states.0, &states.1);
     let coefficients: Vec<f64> = (0..wanted.len()).map(|k| noise(1_000_000 + k)).collect();
     let (outputs, slopes) = net.by_hand(&values, &inputs, &coefficients);
     assert_eq!(outputs.len(), wanted.len());
@@ -231,23 +247,23 @@ fn check(net: &impl Network) {
 
     // The slope of Σ_k c_k·output_k by two steps aside.
     let total = |values: &[f64]| -> f64 {
-        in_loops(net, &layout, values, &seen).iter().zip(&coefficients).map(|(o, c)| o * c).sum()
+        in_loops(net, &layout, values, &states).iter().zip(&coefficients).map(|(o, c)| o * c).sum()
     };
     let steepest = slopes.iter().fold(0.0f32, |m, s| m.max(s.abs()));
     let aside = 1e-6;
-    for piece in layout.pieces() {
+    for block in layout.blocks() {
         let mut moved = false;
-        for k in piece.start..piece.start + piece.len() {
+        for k in block.start..block.start + block.len() {
             let mut values = exact.clone();
             values[k] += aside;
             let above = total(&values);
             values[k] -= 2.0 * aside;
             let slope = (above - total(&values)) / (2.0 * aside);
             let error = (slope - f64::from(slopes[k])).abs();
-            assert!(error < 1e-5 * f64::from(1.0 + steepest), "{} {k}: {}, not {slope}", piece.name, slopes[k]);
+            assert!(error < 1e-5 * f64::from(1.0 + steepest), "{} {k}: {}, not {slope}", block.name, slopes[k]);
             moved |= slope.abs() > 1e-3;
         }
-        assert!(moved, "{}: nothing depends on it", piece.name);
+        assert!(moved, "{}: nothing depends on it", block.name);
     }
 }
 

@@ -40,7 +40,7 @@ pub fn put(trainer: Trainer, device: DeviceArg) -> Result<Trainer> {
 #[cfg(any(feature = "cuda", feature = "wgpu"))]
 fn on(trainer: Trainer, kind: covey_burn::Kind) -> Result<Trainer> {
     use miette::IntoDiagnostic;
-    let layouts = trainer.network_layouts();
+    let layouts = trainer.layouts().clone();
     let engine =
         covey_burn::BurnEngine::open(kind, layouts, trainer.settings().graph.0).map_err(DeviceError::NotFound)?;
     trainer.on(Box::new(engine)).into_diagnostic()

@@ -8,7 +8,7 @@ use crate::measure::{EvalRow, Subject, table};
 use crate::report_page;
 use crate::run::{Checkpoint, RunFolder};
 use crate::settings::{Graph, Settings};
-use crate::train::{Row, Trainer, Workers};
+use crate::train::{RoundMetrics, Trainer, Workers};
 use covey_report::atomic;
 use covey_report::metrics::MetricsLog;
 use covey_report::progress::{Mode, Progress, Status};
@@ -112,7 +112,7 @@ fn now() -> f64 {
 impl Session {
     /// Opens the files of a new run or, `resumed`, of one that goes on.
     pub(super) fn open(folder: RunFolder, trainer: Trainer, resumed: bool, mode: Mode) -> Result<Self> {
-        let rounds = u64::from(trainer.state().rounds);
+        let rounds = u64::from(trainer.rounds());
         let metrics = if resumed {
             atomic::remove_leftovers(folder.path()).into_diagnostic()?;
             atomic::remove_leftovers(folder.checkpoints()).into_diagnostic()?;
@@ -133,7 +133,7 @@ impl Session {
     }
 
     pub(super) fn episodes(&self) -> u64 {
-        u64::from(self.trainer.state().rounds) * u64::from(self.trainer.settings().num_envs)
+        u64::from(self.trainer.rounds()) * u64::from(self.trainer.settings().num_envs)
     }
 
     fn say(&mut self, message: &str) {
@@ -143,7 +143,12 @@ impl Session {
     }
 
     /// Trains until all is done (true) or `stop` is set (false); `watch` sees every round.
-    pub(super) fn train(&mut self, workers: &Workers, stop: &AtomicBool, mut watch: impl FnMut(&Row)) -> Result<bool> {
+    pub(super) fn train(
+        &mut self,
+        workers: &Workers,
+        stop: &AtomicBool,
+        mut watch: impl FnMut(&RoundMetrics),
+    ) -> Result<bool> {
         let s = self.trainer.settings().clone();
         self.say(&format!(
             "training {} for {} episodes in {} ({}, {} threads)",
@@ -156,7 +161,7 @@ impl Session {
         if self.episodes() == 0 {
             self.checkpoint()?;
         }
-        let (start, before) = (Instant::now(), s.agent_steps(self.trainer.state().rounds));
+        let (start, before) = (Instant::now(), s.agent_steps(self.trainer.rounds()));
         let mut saved = self.episodes();
         while !self.trainer.done() && !stop.load(Ordering::SeqCst) {
             let row = self.trainer.round(workers).into_diagnostic()?;
@@ -182,7 +187,7 @@ impl Session {
         Ok(self.trainer.done())
     }
 
-    fn record(&mut self, row: &Row) -> Result<()> {
+    fn record(&mut self, row: &RoundMetrics) -> Result<()> {
         self.metrics.append(row).into_diagnostic()?;
         for (tag, value) in row.curves() {
             self.events.scalar(tag, row.episodes, now(), value as f32).into_diagnostic()?;
@@ -192,8 +197,7 @@ impl Session {
 
     fn checkpoint(&self) -> Result<()> {
         self.metrics.sync().into_diagnostic()?;
-        let checkpoint =
-            Checkpoint { settings: self.trainer.settings().to_toml(), state: self.trainer.state().clone() };
+        let checkpoint = Checkpoint { settings: self.trainer.settings().to_toml(), state: self.trainer.state() };
         checkpoint.save(&self.folder.checkpoints(), self.episodes()).into_diagnostic()?;
         Ok(())
     }
@@ -202,7 +206,7 @@ impl Session {
     pub(super) fn finish(mut self) -> Result<()> {
         let s = self.trainer.settings().clone();
         self.say(&format!("quantising, and measuring on {} held-out worlds", s.eval_worlds));
-        let done = actor_file(&s, self.trainer.state()).into_diagnostic()?;
+        let done = actor_file(&s, &self.trainer.state()).into_diagnostic()?;
         atomic::write(self.folder.actor(), &done.file).into_diagnostic()?;
         let rows = rows(&s, &done)?;
         let file =

@@ -91,7 +91,7 @@ fn fly(actor: &FloatActor, net: &ActorNet, world: &mut World, seed: u64) -> (Ran
     let mut policy = FloatPolicy::new(actor, net, seed, Mode::Sample);
     let mut actions = vec![Action::COAST; world.scenario().uavs];
     while !world.done() {
-        let pass = policy.look(world);
+        let pass = policy.forward(world);
         widen(&mut ranges.hidden, pass.hidden());
         widen(&mut ranges.feature, pass.feature());
         if let Some((combined, graph)) = pass.graph() {
@@ -100,8 +100,8 @@ fn fly(actor: &FloatActor, net: &ActorNet, world: &mut World, seed: u64) -> (Ran
         }
         widen(&mut ranges.head, pass.head());
         let logits = (0..actions.len()).flat_map(|id| pass.logits().row(id)).copied().collect();
-        policy.choose(world, &mut actions);
-        let (observations, links) = policy.seen();
+        policy.select_actions(world, &mut actions);
+        let (observations, links) = policy.observed();
         situations.push(Situation { observations: observations.clone(), links: links.to_vec(), logits });
         world.step(&actions);
     }

@@ -127,7 +127,7 @@ fn compose<O: BatchedObservation>(
     situations: &[Situation],
     provenance: Provenance<'_>,
 ) -> Result<Vec<u8>, QuantiseError> {
-    let p = |name| actor.layout.piece(&actor.values, name);
+    let p = |name| actor.layout.block(&actor.values, name);
     let layer = |name, weights, biases| FloatLayer::from_columns(name, p(weights), p(biases));
     let mut blobs = Blobs::default();
     let input = vec![1.0 / 127.0; O::LEN];
@@ -179,7 +179,7 @@ fn compose<O: BatchedObservation>(
 
 /// The two halves of the score, `W a₁` and `W a₂`, as a layer of two rows.
 fn attention(actor: &FloatActor) -> FloatLayer {
-    let p = |name| actor.layout.piece(&actor.values, name);
+    let p = |name| actor.layout.block(&actor.values, name);
     let (w, width) = (p("graph"), usize::from(actor.dimensions.feature));
     let half = |a: &[f32]| {
         w.chunks_exact(width).map(|row| row.iter().zip(a).map(|(w, a)| f64::from(*w) * f64::from(*a)).sum()).collect()

@@ -1,168 +1,36 @@
-//! The state of a training run and one round of it.
+//! A run in memory, and one round of it.
 
-use super::adam::Adam;
-use super::advantage::{ValueNorm, moments};
-use super::engine::OnEngine;
-use super::networks::{Networks, Workspace};
-use super::ppo::Loss;
-use super::shard::Shard;
-use super::update::{Learner, Outcome, Plan, Rollout, update};
-use super::workers::Workers;
+use super::architecture::layouts;
+use super::round_metrics::RoundMetrics;
+use super::state::State;
+use super::update::{UpdatePlan, UpdateSums, update};
+use crate::backend::{Backend, Collection, CpuBackend, DeviceBackend};
+use crate::optim::{Adam, Learner, PpoLoss, RolloutBatch, update_ema};
+use crate::rollout::{RolloutBuffer, RolloutWorker, ValueNorm, VecEnv, Workers, mean_and_deviation};
 use crate::settings::Settings;
 use covey_env::radio::RadioWorldError;
 use covey_env::{EpisodeMetrics, ObservationForm};
-use covey_net::{Engine, EngineError, Inputs, ParameterLayout, initialise};
-use covey_report::metrics::nan_as_null;
-use firmware_core::action::ACTIONS;
-use firmware_core::actor::Dimensions;
-use serde::{Deserialize, Serialize};
-use std::time::{Duration, Instant};
-
-/// All that a run carries from round to round. Random numbers are drawn from streams
-/// named by the seed and the round, so no generator's state is part of it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct State {
-    /// Rounds done.
-    pub rounds: u32,
-    /// The actor's parameters.
-    pub actor: Vec<f32>,
-    /// Their running average: what is exported.
-    pub average: Vec<f32>,
-    /// The critic's parameters.
-    pub critic: Vec<f32>,
-    /// The actor's optimiser.
-    pub actor_adam: Adam,
-    /// The critic's optimiser.
-    pub critic_adam: Adam,
-    /// Normalisation of returns.
-    pub norm: ValueNorm,
-}
-
-/// What a round gave: one row of `metrics.jsonl`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Row {
-    /// Episodes played so far.
-    pub episodes: u64,
-    /// Agent-steps so far.
-    pub agent_steps: u64,
-    /// Coverage index, mean over steps and the round's episodes.
-    #[serde(with = "nan_as_null")]
-    pub coverage: f64,
-    /// Coverage after the last step.
-    #[serde(with = "nan_as_null")]
-    pub coverage_last: f64,
-    /// Energy index.
-    #[serde(with = "nan_as_null")]
-    pub energy: f64,
-    /// PoIs a UAV alone covers in its group.
-    #[serde(with = "nan_as_null")]
-    pub individual: f64,
-    /// PoIs its group covers.
-    #[serde(with = "nan_as_null")]
-    pub group: f64,
-    /// Episodic reward.
-    #[serde(with = "nan_as_null")]
-    pub reward: f64,
-    /// Clipped surrogate, negated.
-    #[serde(with = "nan_as_null")]
-    pub policy_loss: f64,
-    /// Value loss (of normalised returns).
-    #[serde(with = "nan_as_null")]
-    pub value_loss: f64,
-    /// Entropy of the policy, nats.
-    #[serde(with = "nan_as_null")]
-    pub entropy: f64,
-    /// Estimated KL divergence between the policies before and within an update, nats.
-    #[serde(with = "nan_as_null")]
-    pub kl: f64,
-    /// Share of samples whose ratio left the clip range.
-    #[serde(with = "nan_as_null")]
-    pub clip_fraction: f64,
-    /// Norm of the actor's gradient before clipping.
-    #[serde(with = "nan_as_null")]
-    pub actor_gradient: f64,
-    /// Norm of the critic's gradient before clipping.
-    #[serde(with = "nan_as_null")]
-    pub critic_gradient: f64,
-    /// Share of the variance of returns that the values explain.
-    #[serde(with = "nan_as_null")]
-    pub explained_variance: f64,
-    /// Learning rate.
-    #[serde(with = "nan_as_null")]
-    pub learning_rate: f64,
-}
-
-/// Title, label of the value axis, metric of the same name in evaluations, and value.
-type ChartOf = (&'static str, &'static str, &'static str, fn(&Row) -> f64);
-
-impl Row {
-    /// The curves of the paper's figures 5 to 10, then those that tell how learning goes.
-    pub const CHARTS: &[ChartOf] = &[
-        ("Episodic reward", "reward", "reward", |r| r.reward),
-        ("Coverage index", "share of PoIs", "coverage", |r| r.coverage),
-        ("Energy index", "0.5 hovering, 1 full speed", "energy", |r| r.energy),
-        ("Policy loss", "clipped surrogate", "", |r| r.policy_loss),
-        ("Individual covered PoIs", "PoIs a UAV", "individual", |r| r.individual),
-        ("Group covered PoIs", "PoIs a group", "group", |r| r.group),
-        ("Coverage, last step", "share of PoIs", "coverage_last", |r| r.coverage_last),
-        ("Entropy of the policy", "nats", "", |r| r.entropy),
-        ("Value loss", "of normalised returns", "", |r| r.value_loss),
-        ("Explained variance", "of returns", "", |r| r.explained_variance),
-        ("KL divergence", "nats", "", |r| r.kl),
-        ("Clip fraction", "share of samples", "", |r| r.clip_fraction),
-        ("Learning rate", "", "", |r| r.learning_rate),
-    ];
-
-    /// Tags and values for TensorBoard.
-    #[must_use]
-    pub fn curves(&self) -> [(&'static str, f64); 15] {
-        [
-            ("episode/reward", self.reward),
-            ("episode/coverage", self.coverage),
-            ("episode/coverage_last", self.coverage_last),
-            ("episode/energy", self.energy),
-            ("episode/individual", self.individual),
-            ("episode/group", self.group),
-            ("loss/policy", self.policy_loss),
-            ("loss/value", self.value_loss),
-            ("loss/entropy", self.entropy),
-            ("learning/kl", self.kl),
-            ("learning/clip_fraction", self.clip_fraction),
-            ("learning/actor_gradient", self.actor_gradient),
-            ("learning/critic_gradient", self.critic_gradient),
-            ("learning/explained_variance", self.explained_variance),
-            ("learning/learning_rate", self.learning_rate),
-        ]
-    }
-}
-
-/// A part of training that can be timed alone.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// The environment with observations, and random actions.
-    Environment,
-    /// Rollout: environment, actor, sampling, critic, advantages.
-    Policy,
-    /// The update on a rollout that was played before.
-    Update,
-}
+use covey_net::{ActorCritic, Engine, EngineError, Inputs, ParameterLayout, initialise};
 
 /// A run in memory.
 pub struct Trainer {
     settings: Settings,
-    layouts: [ParameterLayout; 2],
-    state: State,
-    shards: Vec<Shard>,
-    nets: Networks,
-    work: Vec<Workspace>,
-    engine: Option<OnEngine>,
+    layouts: ActorCritic<ParameterLayout>,
+    /// Rounds done.
+    rounds: u32,
+    learner: Learner,
+    /// Exponential moving average of the actor's parameters.
+    average: Vec<f32>,
+    value_norm: ValueNorm,
+    rollout_workers: Vec<RolloutWorker>,
+    backend: Box<dyn Backend>,
 }
 
 impl Trainer {
     /// A fresh run.
     ///
     /// # Errors
-    /// When the scenario or the link cannot be built.
+    /// When the scenario or the radio model cannot be built.
     pub fn new(settings: Settings) -> Result<Self, RadioWorldError> {
         let inputs = settings.observation.len() as u16;
         Self::with_inputs(settings, inputs)
@@ -172,17 +40,17 @@ impl Trainer {
     /// for comparisons; what they learn cannot be exported.
     ///
     /// # Errors
-    /// When the scenario or the link cannot be built.
+    /// When the scenario or the radio model cannot be built.
     pub fn with_inputs(settings: Settings, inputs: u16) -> Result<Self, RadioWorldError> {
         let layouts = layouts(&settings, inputs);
-        let actor = initialise(&layouts[0], "actor weights", settings.seed);
+        let actor = initialise(&layouts.actor, "actor weights", settings.seed);
         let state = State {
             rounds: 0,
             average: actor.clone(),
             actor,
-            critic: initialise(&layouts[1], "critic weights", settings.seed),
-            actor_adam: Adam::new(layouts[0].len()),
-            critic_adam: Adam::new(layouts[1].len()),
+            critic: initialise(&layouts.critic, "critic weights", settings.seed),
+            actor_adam: Adam::new(layouts.actor.len()),
+            critic_adam: Adam::new(layouts.critic.len()),
             norm: ValueNorm::default(),
         };
         Self::assemble(settings, state, inputs)
@@ -191,60 +59,60 @@ impl Trainer {
     /// A run that goes on from `state`, which must be of these settings.
     ///
     /// # Errors
-    /// When the scenario or the link cannot be built.
+    /// When the scenario or the radio model cannot be built.
     pub fn resume(settings: Settings, state: State) -> Result<Self, RadioWorldError> {
         let inputs = settings.observation.len() as u16;
         Self::assemble(settings, state, inputs)
     }
 
     fn assemble(settings: Settings, state: State, inputs: u16) -> Result<Self, RadioWorldError> {
-        let (worlds, shards) = (settings.num_envs as usize, settings.shards as usize);
-        let shards: Vec<_> = (0..shards)
-            .map(|k| Shard::new(&settings, k as u32, (k + 1) * worlds / shards - k * worlds / shards))
+        let (num_envs, shards) = (settings.num_envs as usize, settings.shards as usize);
+        let rollout_workers = (0..shards)
+            .map(|k| RolloutWorker::new(&settings, k as u32, (k + 1) * num_envs / shards - k * num_envs / shards))
             .collect::<Result<_, _>>()?;
         let layouts = layouts(&settings, inputs);
-        let mut nets = Networks::new(&layouts, settings.graph.0);
-        nets.actor.load(&state.actor);
-        nets.critic.load(&state.critic);
-        let seen = match settings.observation {
+        let parameters = ActorCritic { actor: state.actor, critic: state.critic };
+        let optimisers = ActorCritic { actor: state.actor_adam, critic: state.critic_adam };
+        let inputs = match settings.observation {
             ObservationForm::Compact => Inputs::new(inputs.into()),
             ObservationForm::Cells => Inputs::of(ObservationForm::Cells),
         };
-        let work = shards.iter().map(|_| Workspace::new(&layouts, seen.clone())).collect();
-        Ok(Self { settings, layouts, state, shards, nets, work, engine: None })
+        Ok(Self {
+            rounds: state.rounds,
+            learner: Learner::new(&layouts, settings.graph.0, parameters, optimisers),
+            average: state.average,
+            value_norm: state.norm,
+            rollout_workers,
+            backend: Box::new(CpuBackend::new(&layouts, &inputs, shards)),
+            layouts,
+            settings,
+        })
     }
 
-    /// The run with its networks computed by `engine`, which must be for its layouts.
+    /// The run with its networks computed by a device, which must be for its layouts.
     ///
     /// # Errors
-    /// When engines do not take such settings, the engine fails, or its numbers are not those of
-    /// the networks by hand.
+    /// When devices do not take such settings, the device fails, or its numbers are not those of
+    /// the networks on the CPU.
     pub fn on(mut self, engine: Box<dyn Engine>) -> Result<Self, EngineError> {
         let s = &self.settings;
-        let mut engine = OnEngine::new(engine, s)?;
-        self.shards[0].reset(s, 0, s.uavs);
-        engine.load([&self.state.actor, &self.state.critic]);
-        engine.check(self.shards[0].next(), &self.nets, &self.state, &mut self.work[0])?;
-        self.engine = Some(engine);
+        // Something to compare the numbers with.
+        self.rollout_workers[0].reset(s, 0, s.uavs);
+        let backend = DeviceBackend::new(engine, s, &self.layouts, &self.learner, &self.rollout_workers[0])?;
+        self.backend = Box::new(backend);
         Ok(self)
     }
 
     /// What computes the networks.
     #[must_use]
     pub fn device(&self) -> String {
-        self.engine.as_ref().map_or_else(|| "cpu".to_owned(), OnEngine::name)
+        self.backend.name()
     }
 
-    /// Layouts of actor and critic.
+    /// Parameter layouts of its networks.
     #[must_use]
-    pub fn layouts(s: &Settings) -> [ParameterLayout; 2] {
-        layouts(s, s.observation.len() as u16)
-    }
-
-    /// Layouts of its networks, which differ from [`Self::layouts`] when they take fewer inputs.
-    #[must_use]
-    pub fn network_layouts(&self) -> [ParameterLayout; 2] {
-        self.layouts.clone()
+    pub const fn layouts(&self) -> &ActorCritic<ParameterLayout> {
+        &self.layouts
     }
 
     /// The settings.
@@ -253,202 +121,163 @@ impl Trainer {
         &self.settings
     }
 
-    /// The state after the rounds so far.
+    /// Rounds done.
     #[must_use]
-    pub const fn state(&self) -> &State {
-        &self.state
+    pub const fn rounds(&self) -> u32 {
+        self.rounds
     }
 
     /// Whether all rounds are done.
     #[must_use]
     pub fn done(&self) -> bool {
-        self.state.rounds >= self.settings.rounds()
+        self.rounds >= self.settings.rounds()
+    }
+
+    /// A copy of the state after the rounds so far, for a checkpoint.
+    #[must_use]
+    pub fn state(&self) -> State {
+        let Learner { actor, critic } = &self.learner;
+        State {
+            rounds: self.rounds,
+            actor: actor.parameters.clone(),
+            average: self.average.clone(),
+            critic: critic.parameters.clone(),
+            actor_adam: actor.optimiser.clone(),
+            critic_adam: critic.optimiser.clone(),
+            norm: self.value_norm,
+        }
     }
 
     /// Plays an episode in every world, with an update after every rollout.
     ///
     /// # Errors
-    /// When an engine fails, never without one. The round is then half done: go on from a
+    /// When a device fails, never on the CPU. The round is then half done: go on from a
     /// checkpoint.
-    pub fn round(&mut self, workers: &Workers) -> Result<Row, EngineError> {
-        let s = self.settings.clone();
-        let mut first = u64::from(self.state.rounds) * u64::from(s.num_envs);
-        let firsts: Vec<u64> = self
-            .shards
-            .iter()
-            .map(|shard| {
-                let own = first;
-                first += shard.worlds() as u64;
-                own
-            })
-            .collect();
-        let round = self.state.rounds;
-        let work: Vec<_> = self.shards.iter_mut().zip(firsts).collect();
-        workers.run(work, |k, (shard, first)| shard.reset(&s, first, s.uavs_in(round, k as u32)));
-        let rollouts = s.steps / s.rollout_steps;
-        let (mut total, mut explained, mut rate) = (Outcome::default(), 0.0, 0.0);
+    pub fn round(&mut self, threads: &Workers) -> Result<RoundMetrics, EngineError> {
+        self.reset(threads);
+        let rollouts = self.rollouts_in_round();
+        let updates_in_run = f64::from(self.settings.rounds()) * f64::from(rollouts);
+        let (mut sums, mut explained_variance, mut learning_rate) = (UpdateSums::default(), 0.0, 0.0);
         for rollout in 0..rollouts {
-            let number = u64::from(self.state.rounds) * u64::from(rollouts) + u64::from(rollout);
-            self.play(&s, s.cloning_weight_at(number) > 0.0, workers)?;
-            explained += self.explained_variance() / f64::from(rollouts);
-            let progress = number as f64 / (f64::from(s.rounds()) * f64::from(rollouts));
-            rate = s.learning_rate * (1.0 - (1.0 - s.learning_rate_end) * progress);
-            let outcome = self.learn(&s, workers, number, progress, rate)?;
-            total.sums.add(&outcome.sums);
-            total.minibatches += outcome.minibatches;
-            total.norms.iter_mut().zip(outcome.norms).for_each(|(t, o)| *t += o);
+            let number = u64::from(self.rounds) * u64::from(rollouts) + u64::from(rollout);
+            let plan = self.update_plan(number, number as f64 / updates_in_run);
+            self.collect(self.settings.cloning_weight_at(number) > 0.0, threads)?;
+            explained_variance += self.explained_variance() / f64::from(rollouts);
+            learning_rate = plan.learning_rate;
+            sums.add(&self.update(&plan, threads)?);
         }
-        self.state.rounds += 1;
-        Ok(self.row(&total, explained, rate))
+        self.rounds += 1;
+        Ok(self.metrics(&sums, explained_variance, learning_rate))
     }
 
-    /// Time of an episode's worth of one stage in every world. The state of the run
-    /// moves on as in training, except that [`Stage::Environment`] learns nothing.
-    ///
-    /// # Errors
-    /// When an engine fails.
-    pub fn time(&mut self, stage: Stage, workers: &Workers) -> Result<Duration, EngineError> {
-        let s = self.settings.clone();
-        workers.run(self.shards.iter_mut().collect(), |k, shard| shard.reset(&s, k as u64, s.uavs));
-        let mut spent = Duration::ZERO;
-        for rollout in 0..s.steps / s.rollout_steps {
-            let start = Instant::now();
-            match stage {
-                Stage::Environment => {
-                    workers.run(self.shards.iter_mut().collect(), |_, shard| shard.wander(&s));
-                }
-                Stage::Policy | Stage::Update => self.play(&s, false, workers)?,
-            }
-            let played = start.elapsed();
-            let start = Instant::now();
-            if stage == Stage::Update {
-                self.learn(&s, workers, u64::from(rollout), 0.0, s.learning_rate)?;
-            }
-            spent += if stage == Stage::Update { start.elapsed() } else { played };
-        }
-        Ok(spent)
+    /// Rollouts, and so updates, in a round.
+    pub(super) const fn rollouts_in_round(&self) -> u32 {
+        self.settings.steps / self.settings.rollout_steps
     }
 
-    /// Multiply-adds that the update of an episode's worth in every world takes, those with
-    /// a zero left out; none that an engine does. It learns as [`Self::time`] does.
-    ///
-    /// # Errors
-    /// When an engine fails.
-    pub fn count_update(&mut self, workers: &Workers) -> Result<u64, EngineError> {
-        self.work.iter_mut().for_each(|w| w.counted = Some(0));
-        self.time(Stage::Update, workers)?;
-        Ok(self.work.iter_mut().filter_map(|w| w.counted.take()).sum())
+    /// Begins the episodes of the present round.
+    fn reset(&mut self, threads: &Workers) {
+        let (s, round) = (&self.settings, self.rounds);
+        let mut next = u64::from(round) * u64::from(s.num_envs);
+        let items = self.rollout_workers.iter_mut().map(|worker| {
+            let first_episode = next;
+            next += worker.env().num_envs() as u64;
+            (worker, first_episode)
+        });
+        threads.run(items.collect(), |k, (worker, first_episode): (&mut RolloutWorker, _)| {
+            worker.reset(s, first_episode, s.uavs_in(round, k as u32));
+        });
     }
 
-    /// Plays a rollout in every world, with or without advice.
-    fn play(&mut self, s: &Settings, advised: bool, workers: &Workers) -> Result<(), EngineError> {
-        let (nets, norm) = (&self.nets, self.state.norm);
-        if let Some(engine) = &mut self.engine {
-            return engine.play(s, &norm, advised, &mut self.shards, &mut self.work, workers);
-        }
-        let items = self.shards.iter_mut().zip(&mut self.work).collect();
-        workers.run(items, |_, (shard, work): (&mut Shard, &mut Workspace)| shard.play(s, nets, &norm, advised, work));
-        Ok(())
+    /// Begins episodes of the configured number of UAVs in all worlds, the same every time.
+    pub(super) fn reset_to_equal_swarms(&mut self, threads: &Workers) {
+        let s = &self.settings;
+        threads.run(self.rollout_workers.iter_mut().collect(), |k, worker| worker.reset(s, k as u64, s.uavs));
     }
 
-    fn learn(
-        &mut self,
-        s: &Settings,
-        workers: &Workers,
-        number: u64,
-        progress: f64,
-        learning_rate: f64,
-    ) -> Result<Outcome, EngineError> {
-        let all = |f: fn(&Shard) -> &Vec<f32>| self.shards.iter().flat_map(f).copied().collect::<Vec<f32>>();
-        let (mean, deviation) = moments(&all(|s| &s.returns));
-        self.state.norm.update(mean, deviation, s.value_norm_decay);
-        let rollout = Rollout {
-            advantage: moments(&all(|s| &s.advantages)),
-            shards: &self.shards,
-            steps: s.rollout_steps as usize,
-            norm: self.state.norm,
-        };
-        let plan = Plan {
+    /// Collects a rollout in every world; with `cloning`, the expert's actions too.
+    pub(super) fn collect(&mut self, cloning: bool, threads: &Workers) -> Result<(), EngineError> {
+        let collection = Collection { settings: &self.settings, value_norm: self.value_norm, cloning };
+        self.backend.collect(&self.learner, &collection, &mut self.rollout_workers, threads)
+    }
+
+    /// A rollout of random actions in every world.
+    pub(super) fn random_rollouts(&mut self, threads: &Workers) {
+        let s = &self.settings;
+        threads.run(self.rollout_workers.iter_mut().collect(), |_, worker| worker.random_rollout(s));
+    }
+
+    /// Plan of update `number` of the run, when the share `progress` of the run is done: learning
+    /// rate and entropy weight fall linearly with it.
+    pub(super) fn update_plan(&self, number: u64, progress: f64) -> UpdatePlan {
+        let s = &self.settings;
+        UpdatePlan {
+            number,
+            seed: s.seed,
             epochs: s.epochs,
             minibatch: s.minibatch as usize,
-            learning_rate,
-            gradient_norm: s.gradient_norm,
-            loss: Loss {
-                clip: s.clip as f32,
-                entropy: (s.entropy + (s.entropy_end - s.entropy) * progress) as f32,
-                huber: s.huber as f32,
+            learning_rate: s.learning_rate * (1.0 - (1.0 - s.learning_rate_end) * progress),
+            max_gradient_norm: s.gradient_norm,
+            loss: PpoLoss {
+                clip_range: s.clip as f32,
+                entropy_coef: (s.entropy + (s.entropy_end - s.entropy) * progress) as f32,
+                huber_delta: s.huber as f32,
                 cloning_weight: s.cloning_weight_at(number) as f32,
-                samples: 1.0,
             },
-            shuffle: (s.seed, number),
-        };
-        let state = &mut self.state;
-        let mut learner = Learner {
-            nets: &mut self.nets,
-            values: [&mut state.actor, &mut state.critic],
-            adam: [&mut state.actor_adam, &mut state.critic_adam],
-            work: if self.engine.is_some() { &mut self.work[..1] } else { &mut self.work },
-            engine: self.engine.as_mut(),
-        };
-        let outcome = update(&mut learner, &rollout, &plan, workers)?;
-        // Early on the average is over all updates so far, or the first weights would linger.
-        let keep = s.ema_decay.min(number as f64 / (number as f64 + 1.0)) as f32;
-        for (average, value) in state.average.iter_mut().zip(&state.actor) {
-            *average = keep * *average + (1.0 - keep) * value;
         }
-        Ok(outcome)
+    }
+
+    /// Updates value normalisation, networks and the actor's average from the last rollouts.
+    pub(super) fn update(&mut self, plan: &UpdatePlan, threads: &Workers) -> Result<UpdateSums, EngineError> {
+        let (mean, deviation) = mean_and_deviation(&self.all(|buffer| &buffer.returns));
+        self.value_norm.update(mean, deviation, self.settings.value_norm_decay);
+        let rollout = RolloutBatch::new(&self.rollout_workers, self.value_norm);
+        let sums = update(&mut self.learner, &mut *self.backend, &rollout, plan, threads)?;
+        update_ema(&mut self.average, &self.learner.actor.parameters, self.settings.ema_decay, plan.number);
+        Ok(sums)
+    }
+
+    pub(super) fn backend_mut(&mut self) -> &mut dyn Backend {
+        &mut *self.backend
+    }
+
+    /// A tensor of all workers' buffers in one.
+    fn all(&self, tensor: fn(&RolloutBuffer) -> &Vec<f32>) -> Vec<f32> {
+        self.rollout_workers.iter().flat_map(|worker| tensor(worker.buffer())).copied().collect()
     }
 
     /// 1 − var(return − value)/var(return); return − value is the advantage.
     fn explained_variance(&self) -> f64 {
-        let all = |f: fn(&Shard) -> &Vec<f32>| self.shards.iter().flat_map(f).copied().collect::<Vec<f32>>();
-        let (_, of_returns) = moments(&all(|s| &s.returns));
-        let (_, of_errors) = moments(&all(|s| &s.advantages));
+        let (_, of_returns) = mean_and_deviation(&self.all(|buffer| &buffer.returns));
+        let (_, of_errors) = mean_and_deviation(&self.all(|buffer| &buffer.advantages));
         if of_returns > 0.0 { 1.0 - (of_errors / of_returns).powi(2) } else { 0.0 }
     }
 
-    fn row(&self, o: &Outcome, explained_variance: f64, learning_rate: f64) -> Row {
+    fn metrics(&self, sums: &UpdateSums, explained_variance: f64, learning_rate: f64) -> RoundMetrics {
         let s = &self.settings;
-        let usual = self.shards.iter().filter(|shard| shard.is_usual(s));
-        let all: Vec<EpisodeMetrics> = usual.flat_map(Shard::metrics).collect();
+        let configured =
+            self.rollout_workers.iter().map(RolloutWorker::env).filter(|env| env.is_configured_scenario(s));
+        let all: Vec<EpisodeMetrics> = configured.flat_map(VecEnv::metrics).collect();
         let mean = |f: fn(&EpisodeMetrics) -> f64| all.iter().map(f).sum::<f64>() / all.len() as f64;
-        let episodes = u64::from(self.state.rounds) * u64::from(s.num_envs);
-        let of = |v: f64| v / o.sums.samples;
-        Row {
-            episodes,
-            agent_steps: s.agent_steps(self.state.rounds),
+        let per_sample = |v: f64| v / sums.losses.samples;
+        RoundMetrics {
+            episodes: u64::from(self.rounds) * u64::from(s.num_envs),
+            agent_steps: s.agent_steps(self.rounds),
             coverage: mean(|m| m.coverage),
             coverage_last: mean(|m| m.coverage_last),
             energy: mean(|m| m.energy),
             individual: mean(|m| m.individual),
             group: mean(|m| m.group),
             reward: mean(|m| m.reward),
-            policy_loss: of(o.sums.policy_loss),
-            value_loss: of(o.sums.value_loss),
-            entropy: of(o.sums.entropy),
-            kl: of(o.sums.kl),
-            clip_fraction: of(o.sums.clipped),
-            actor_gradient: o.norms[0] / o.minibatches,
-            critic_gradient: o.norms[1] / o.minibatches,
+            policy_loss: per_sample(sums.losses.policy_loss),
+            value_loss: per_sample(sums.losses.value_loss),
+            entropy: per_sample(sums.losses.entropy),
+            kl: per_sample(sums.losses.kl),
+            clip_fraction: per_sample(sums.losses.clipped),
+            actor_gradient: sums.gradient_norms.actor / sums.minibatches,
+            critic_gradient: sums.gradient_norms.critic / sums.minibatches,
             explained_variance,
             learning_rate,
         }
     }
-}
-
-/// Widths of the networks for these settings.
-#[must_use]
-pub fn dimensions(s: &Settings) -> Dimensions {
-    Dimensions {
-        observation: s.observation.len() as u16,
-        hidden: s.hidden,
-        feature: s.feature,
-        head: s.head,
-        actions: ACTIONS as u16,
-    }
-}
-
-fn layouts(s: &Settings, inputs: u16) -> [ParameterLayout; 2] {
-    let d = Dimensions { observation: inputs, ..dimensions(s) };
-    [ParameterLayout::actor(d, s.graph.0), ParameterLayout::critic(d)]
 }

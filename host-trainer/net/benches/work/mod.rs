@@ -7,7 +7,7 @@ use covey_env::baselines::Centroid;
 use covey_env::{ActorPolicy, Neighbourhood, Observer, Policy, Scenario, World};
 use covey_net::{
     ActorGradient, ActorNet, ActorPass, CriticGradient, CriticNet, CriticPass, Inputs, ParameterLayout, initialise,
-    worlds_in_pass,
+    micro_batch_size,
 };
 use firmware_core::action::{ACTIONS, Action};
 use firmware_core::actor::{Actor, Aggregation, Dimensions, Mode};
@@ -44,7 +44,7 @@ pub struct Flight<'a> {
 }
 
 impl<'a> Flight<'a> {
-    /// ActorInput by this actor.
+    /// Flown by this actor.
     pub fn new(scenario: &Scenario, actor: Actor<'a>) -> Self {
         let world = World::new(scenario).expect("a sound scenario");
         Self { world, policy: ActorPolicy::new(actor, 1, Mode::Sample), actions: vec![Action::COAST; scenario.uavs] }
@@ -72,11 +72,11 @@ pub struct Environment {
     script: Vec<Vec<Action>>,
     observer: Observer,
     observations: Vec<Observation>,
-    links: Vec<Neighbourhood>,
+    neighbours: Vec<Neighbourhood>,
 }
 
 impl Environment {
-    /// ActorInput by the centroid heuristic, so that groups form and PoIs are seen.
+    /// Flown by the centroid heuristic, so that groups form and PoIs are seen.
     pub fn new(scenario: &Scenario) -> Self {
         let mut world = World::new(scenario).expect("a sound scenario");
         let mut policy = Centroid::new(1, 0);
@@ -88,8 +88,8 @@ impl Environment {
             world.step(&actions);
             script.push(actions.clone());
         }
-        let (observations, links) = (vec![[0; LEN]; scenario.uavs], vec![Neighbourhood::default(); scenario.uavs]);
-        Self { world, script, observer: Observer::new(1, 1_000_000), observations, links }
+        let (observations, neighbours) = (vec![[0; LEN]; scenario.uavs], vec![Neighbourhood::default(); scenario.uavs]);
+        Self { world, script, observer: Observer::new(1, 1_000_000), observations, neighbours }
     }
 
     /// A whole episode with the observations of every step.
@@ -97,7 +97,7 @@ impl Environment {
         self.world.reset(0, 0);
         for actions in &self.script {
             self.world.step(actions);
-            self.observer.observe(&self.world, &mut self.observations, &mut self.links);
+            self.observer.observe(&self.world, &mut self.observations, &mut self.neighbours);
         }
     }
 
@@ -107,7 +107,7 @@ impl Environment {
     }
 }
 
-/// Both networks of the default widths with what they see of some world-steps.
+/// Both networks of the default widths with the observations of some world-steps.
 pub struct Networks {
     actor: ActorNet,
     critic: CriticNet,
@@ -117,17 +117,17 @@ pub struct Networks {
     critic_gradient: CriticGradient,
     inputs: Inputs,
     observations: Vec<Observation>,
-    links: Vec<Neighbourhood>,
+    neighbours: Vec<Neighbourhood>,
 }
 
 impl Networks {
-    /// Sees `world_steps` states, from the beginnings and ends of flights.
+    /// With the observations of `world_steps` states, from the beginnings and ends of flights.
     pub fn new(aggregation: Aggregation, world_steps: usize) -> Self {
         let layouts = [ParameterLayout::actor(WIDTHS, aggregation), ParameterLayout::critic(WIDTHS)];
         let (mut actor, mut critic) = (ActorNet::new(&layouts[0], aggregation), CriticNet::new(&layouts[1]));
         actor.load(&parameters(&layouts[0]));
         critic.load(&parameters(&layouts[1]));
-        let (observations, links) = situations(world_steps);
+        let (observations, neighbours) = situations(world_steps);
         let mut networks = Self {
             actor,
             critic,
@@ -137,15 +137,15 @@ impl Networks {
             critic_gradient: CriticGradient::new(&layouts[1]),
             inputs: Inputs::new(LEN),
             observations,
-            links,
+            neighbours,
         };
-        networks.see(0..world_steps.min(worlds_in_pass(UAVS, world_steps)));
+        networks.set_inputs(0..world_steps.min(micro_batch_size(UAVS, world_steps)));
         networks
     }
 
-    /// Samples of a pass.
-    pub fn pass(&self) -> u64 {
-        self.inputs.links().len() as u64
+    /// Samples of a micro-batch.
+    pub fn micro_batch(&self) -> u64 {
+        self.inputs.neighbours().len() as u64
     }
 
     /// Samples of a minibatch.
@@ -153,44 +153,44 @@ impl Networks {
         self.observations.len() as u64
     }
 
-    fn see(&mut self, world_steps: std::ops::Range<usize>) {
-        let place = world_steps.start * UAVS..world_steps.end * UAVS;
+    fn set_inputs(&mut self, world_steps: std::ops::Range<usize>) {
+        let range = world_steps.start * UAVS..world_steps.end * UAVS;
         self.inputs.clear(UAVS);
-        self.inputs.push(&self.observations[place.clone()], &self.links[place]);
+        self.inputs.push(&self.observations[range.clone()], &self.neighbours[range]);
     }
 
-    /// Logits of a pass.
+    /// Logits of a micro-batch.
     pub fn actor_forward(&mut self) {
         self.actor_pass.forward(&self.actor, &self.inputs);
     }
 
-    /// Values of a pass.
+    /// Values of a micro-batch.
     pub fn critic_forward(&mut self) {
         self.critic_pass.forward(&self.critic, &self.inputs);
     }
 
-    /// Gradient of the actor over a pass.
+    /// Gradient of the actor over a micro-batch.
     pub fn actor_gradient(&mut self) {
         self.actor_forward();
         slopes(self.actor_pass.logits_mut().values_mut());
         self.actor_pass.backward(&self.actor, &self.inputs, &mut self.actor_gradient);
     }
 
-    /// Gradient of the critic over a pass.
+    /// Gradient of the critic over a micro-batch.
     pub fn critic_gradient(&mut self) {
         self.critic_forward();
         slopes(self.critic_pass.values_mut().values_mut());
         self.critic_pass.backward(&self.critic, &self.inputs, &mut self.critic_gradient);
     }
 
-    /// Gradients of both over all that is to be seen, pass by pass.
+    /// Gradients of both over all world-steps, micro-batch by micro-batch.
     pub fn minibatch(&mut self) {
         self.actor_gradient.clear();
         self.critic_gradient.clear();
         let world_steps = self.observations.len() / UAVS;
-        let pass = worlds_in_pass(UAVS, world_steps);
-        for first in (0..world_steps).step_by(pass) {
-            self.see(first..(first + pass).min(world_steps));
+        let micro_batch = micro_batch_size(UAVS, world_steps);
+        for first in (0..world_steps).step_by(micro_batch) {
+            self.set_inputs(first..(first + micro_batch).min(world_steps));
             self.actor_gradient();
             self.critic_gradient();
         }
@@ -205,28 +205,29 @@ fn slopes(outputs: &mut [f32]) {
 /// Fresh weights with biases that let through as much as those of a trained network.
 fn parameters(layout: &ParameterLayout) -> Vec<f32> {
     let mut values = initialise(layout, "work", 1);
-    for piece in layout.pieces() {
-        let bias = match piece.name {
+    for block in layout.blocks() {
+        let bias = match block.name {
             "encoder1 bias" => 0.05,
             "encoder2 bias" => 0.45,
             "graph bias" => 0.15,
             "head bias" => 1.0,
             _ => 0.0,
         };
-        values[piece.start..piece.start + piece.len()].iter_mut().for_each(|v| *v += bias);
+        values[block.start..block.start + block.len()].iter_mut().for_each(|v| *v += bias);
     }
     values
 }
 
-/// What the UAVs see of as many world-steps, each of another flight.
+/// Observations and neighbours of as many world-steps, each of another flight.
 fn situations(world_steps: usize) -> (Vec<Observation>, Vec<Neighbourhood>) {
     let scenario = Scenario::default();
     let mut world = World::new(&scenario).expect("a sound scenario");
     let mut observer = Observer::new(9, 1_000_000);
     let mut actions = vec![Action::COAST; UAVS];
     let mut observations = vec![[0; LEN]; world_steps * UAVS];
-    let mut links = vec![Neighbourhood::default(); world_steps * UAVS];
-    for (k, (observations, links)) in observations.chunks_exact_mut(UAVS).zip(links.chunks_exact_mut(UAVS)).enumerate()
+    let mut neighbours = vec![Neighbourhood::default(); world_steps * UAVS];
+    for (k, (observations, neighbours)) in
+        observations.chunks_exact_mut(UAVS).zip(neighbours.chunks_exact_mut(UAVS)).enumerate()
     {
         world.reset(5, k as u64);
         let mut policy = Centroid::new(1, k as u64);
@@ -235,7 +236,7 @@ fn situations(world_steps: usize) -> (Vec<Observation>, Vec<Neighbourhood>) {
             policy.act(&world, &mut actions);
             world.step(&actions);
         }
-        observer.observe(&world, observations, links);
+        observer.observe(&world, observations, neighbours);
     }
-    (observations, links)
+    (observations, neighbours)
 }

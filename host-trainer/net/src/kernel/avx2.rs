@@ -1,6 +1,7 @@
 //! The kernel for AVX2 with FMA.
 
-use super::{Finish, LANES, Product, Start};
+use super::lanes::LANES;
+use super::product::{Epilogue, Init, Product};
 use std::arch::x86_64::{
     __m256, _CMP_LE_OQ, _CMP_NLE_UQ, _mm_cmpeq_epi8, _mm_loadl_epi64, _mm_movemask_epi8, _mm_setzero_si128,
     _mm256_and_ps, _mm256_andnot_ps, _mm256_broadcast_ss, _mm256_cmp_ps, _mm256_cvtepi8_epi32, _mm256_cvtepi32_ps,
@@ -8,14 +9,14 @@ use std::arch::x86_64::{
     _mm256_storeu_ps,
 };
 
-/// Terms of a block: a word of marks, and so few weights that they stay in the first-level
+/// Terms of a block: a word of a mask, and so few weights that they stay in the first-level
 /// cache.
 const TERMS: usize = 64;
 
 /// # Safety
 /// `p.check` must have passed for these arguments and an output that `out` begins.
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-pub unsafe fn run(p: &Product<'_>, start: Start<'_>, mut finish: Finish<'_>, out: *mut f32, out_step: usize) {
+pub unsafe fn run(p: &Product<'_>, init: Init<'_>, mut epilogue: Epilogue<'_>, out: *mut f32, out_step: usize) {
     let (vectors, mut first) = (p.columns / LANES, 0);
     while first < vectors {
         let n = match vectors - first {
@@ -27,7 +28,7 @@ pub unsafe fn run(p: &Product<'_>, start: Start<'_>, mut finish: Finish<'_>, out
             let at = TERMS * b;
             let terms = (p.terms - at).min(TERMS);
             let block = Block {
-                start: if b == 0 { start } else { Start::Kept },
+                init: if b == 0 { init } else { Init::Accumulate },
                 terms,
                 limit: if terms == TERMS { u64::MAX } else { (1 << terms) - 1 },
                 values: p.values.as_ptr().wrapping_add(at * p.steps[1]),
@@ -40,15 +41,15 @@ pub unsafe fn run(p: &Product<'_>, start: Start<'_>, mut finish: Finish<'_>, out
                 out: out.wrapping_add(LANES * first),
                 out_step,
             };
-            let finish = if b + 1 == blocks { &mut finish } else { &mut Finish::Plain };
+            let epilogue = if b + 1 == blocks { &mut epilogue } else { &mut Epilogue::Identity };
             // SAFETY: as promised by the caller; the block's terms and columns are the product's.
             unsafe {
                 match n {
-                    1 => block.run::<1, 6>(p.rows, finish),
-                    2 => block.run::<2, 4>(p.rows, finish),
-                    3 => block.run::<3, 3>(p.rows, finish),
-                    4 => block.run::<4, 3>(p.rows, finish),
-                    _ => block.run::<8, 3>(p.rows, finish),
+                    1 => block.run::<1, 6>(p.rows, epilogue),
+                    2 => block.run::<2, 4>(p.rows, epilogue),
+                    3 => block.run::<3, 3>(p.rows, epilogue),
+                    4 => block.run::<4, 3>(p.rows, epilogue),
+                    _ => block.run::<8, 3>(p.rows, epilogue),
                 }
             }
         }
@@ -58,7 +59,7 @@ pub unsafe fn run(p: &Product<'_>, start: Start<'_>, mut finish: Finish<'_>, out
 
 /// Some columns of a product and up to 64 terms of its sums.
 struct Block<'p> {
-    start: Start<'p>,
+    init: Init<'p>,
     terms: usize,
     /// A bit for each term.
     limit: u64,
@@ -85,29 +86,29 @@ impl Block<'_> {
     /// As for [`run`], with `N` vectors of columns in the block.
     #[inline]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-    unsafe fn run<const N: usize, const M: usize>(&self, rows: usize, finish: &mut Finish<'_>) {
+    unsafe fn run<const N: usize, const M: usize>(&self, rows: usize, epilogue: &mut Epilogue<'_>) {
         // SAFETY: as promised by the caller.
         unsafe {
             // Known steps spare multiplications in the innermost loop.
             match (self.weight_step == LANES * N, self.steps[1] == 1) {
-                (true, true) => self.rows::<N, M, true, true>(rows, finish),
-                (true, false) => self.rows::<N, M, true, false>(rows, finish),
-                (false, _) => self.rows::<N, M, false, false>(rows, finish),
+                (true, true) => self.rows::<N, M, true, true>(rows, epilogue),
+                (true, false) => self.rows::<N, M, true, false>(rows, epilogue),
+                (false, _) => self.rows::<N, M, false, false>(rows, epilogue),
             }
         }
     }
 
     /// # Safety
-    /// As for [`Self::row`] and all rows.
+    /// As for [`Self::sparse_row`] and all rows.
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
     unsafe fn rows<const N: usize, const M: usize, const PACKED: bool, const SIDE_BY_SIDE: bool>(
         &self,
         rows: usize,
-        finish: &mut Finish<'_>,
+        epilogue: &mut Epilogue<'_>,
     ) {
         // Weight gradients of inputs that were zero throughout.
-        let additive = matches!((&self.start, &finish), (Start::Kept, Finish::Plain));
-        let most = self.alone::<N>();
+        let additive = matches!((&self.init, &epilogue), (Init::Accumulate, Epilogue::Identity));
+        let most = self.sparse_limit::<N>();
         let (mut waiting, mut dense) = (0, [0; M]);
         for k in 0..rows + M {
             // Behind the last row, those that wait.
@@ -122,20 +123,20 @@ impl Block<'_> {
                 waiting += 1;
                 if waiting == M {
                     // SAFETY: as promised by the caller.
-                    unsafe { self.together::<N, M>(dense, finish) };
+                    unsafe { self.dense_rows::<N, M>(dense, epilogue) };
                     waiting = 0;
                 }
             } else if mask != 0 || !additive {
                 // SAFETY: as promised by the caller.
-                unsafe { self.row::<N, PACKED, SIDE_BY_SIDE>(r, mask, finish) };
+                unsafe { self.sparse_row::<N, PACKED, SIDE_BY_SIDE>(r, mask, epilogue) };
             }
         }
     }
 
-    /// So many values of a row may count for it to go alone. Measured: alone, it waits for the
+    /// Most values that may count in a row that goes alone, without its zeros. Measured: alone, it waits for the
     /// last addition to each sum, and with few sums that is most of its time.
     #[inline(always)]
-    const fn alone<const N: usize>(&self) -> usize {
+    const fn sparse_limit<const N: usize>(&self) -> usize {
         match N {
             8 => self.terms * 2 / 3,
             4 => self.terms * 2 / 5,
@@ -143,7 +144,7 @@ impl Block<'_> {
         }
     }
 
-    /// Marks of row r.
+    /// Mask of row r.
     #[inline(always)]
     fn mask(&self, r: usize) -> u64 {
         // Without terms there are no masks.
@@ -153,16 +154,16 @@ impl Block<'_> {
     /// Row r, without its zeros.
     ///
     /// # Safety
-    /// As for [`run`], with `N` vectors of columns in the block and a row r that has these
-    /// marks; if `PACKED`, rows of weights follow each other, and if `SIDE_BY_SIDE`, the values
+    /// As for [`run`], with `N` vectors of columns in the block and a row r that has this
+    /// mask; if `PACKED`, rows of weights follow each other, and if `SIDE_BY_SIDE`, the values
     /// of a row do.
     #[inline]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-    unsafe fn row<const N: usize, const PACKED: bool, const SIDE_BY_SIDE: bool>(
+    unsafe fn sparse_row<const N: usize, const PACKED: bool, const SIDE_BY_SIDE: bool>(
         &self,
         r: usize,
         mut mask: u64,
-        finish: &mut Finish<'_>,
+        epilogue: &mut Epilogue<'_>,
     ) {
         let step = if SIDE_BY_SIDE { 1 } else { self.steps[1] };
         let weight_step = if PACKED { LANES * N } else { self.weight_step };
@@ -170,19 +171,19 @@ impl Block<'_> {
         // SAFETY: `check` saw that row r of every slice is within it, and `limit` drops bits
         // beyond the last term, so that every term is within too.
         unsafe {
-            let mut sums = self.begin::<N>(r, 0);
+            let mut sums = self.load_sums::<N>(r, 0);
             // Four at a time, counted: faster than bit by bit.
             for _ in 0..mask.count_ones() / 4 {
                 for _ in 0..4 {
-                    let i = take(&mut mask);
+                    let i = pop_lowest_bit(&mut mask);
                     add(&mut sums, values.add(i * step), weights.add(i * weight_step));
                 }
             }
             while mask != 0 {
-                let i = take(&mut mask);
+                let i = pop_lowest_bit(&mut mask);
                 add(&mut sums, values.add(i * step), weights.add(i * weight_step));
             }
-            self.end(sums, r, 0, finish);
+            self.store_sums(sums, r, 0, epilogue);
         }
     }
 
@@ -192,15 +193,15 @@ impl Block<'_> {
     /// As for [`run`], with `N` vectors of columns in the block and these rows.
     #[inline]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-    unsafe fn together<const N: usize, const M: usize>(&self, rows: [usize; M], finish: &mut Finish<'_>) {
+    unsafe fn dense_rows<const N: usize, const M: usize>(&self, rows: [usize; M], epilogue: &mut Epilogue<'_>) {
         // SAFETY: as promised by the caller.
         unsafe {
             // Twelve sums and what they need fill the registers.
             if N == 8 {
-                self.part::<4, M>(rows, 0, finish);
-                self.part::<4, M>(rows, 4, finish);
+                self.tile::<4, M>(rows, 0, epilogue);
+                self.tile::<4, M>(rows, 4, epilogue);
             } else {
-                self.part::<N, M>(rows, 0, finish);
+                self.tile::<N, M>(rows, 0, epilogue);
             }
         }
     }
@@ -211,12 +212,12 @@ impl Block<'_> {
     /// As for [`run`], with `more + N` vectors of columns in the block and these rows.
     #[inline]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-    unsafe fn part<const N: usize, const M: usize>(&self, rows: [usize; M], more: usize, finish: &mut Finish<'_>) {
+    unsafe fn tile<const N: usize, const M: usize>(&self, rows: [usize; M], more: usize, epilogue: &mut Epilogue<'_>) {
         // SAFETY: as promised by the caller.
         unsafe {
             let mut sums: [[__m256; N]; M] = [[_mm256_setzero_ps(); N]; M];
             for (sums, r) in sums.iter_mut().zip(rows) {
-                *sums = self.begin(r, more);
+                *sums = self.load_sums(r, more);
             }
             let mut values = rows.map(|r| self.values.wrapping_add(r * self.steps[0]));
             let mut weights = self.weights.wrapping_add(LANES * more);
@@ -236,7 +237,7 @@ impl Block<'_> {
                 weights = weights.wrapping_add(self.weight_step);
             }
             for (sums, r) in sums.into_iter().zip(rows) {
-                self.end(sums, r, more, finish);
+                self.store_sums(sums, r, more, epilogue);
             }
         }
     }
@@ -247,28 +248,34 @@ impl Block<'_> {
     /// As for [`run`], with `more + N` vectors of columns in the block and a row r.
     #[inline]
     #[target_feature(enable = "avx2,fma")]
-    unsafe fn begin<const N: usize>(&self, r: usize, more: usize) -> [__m256; N] {
+    unsafe fn load_sums<const N: usize>(&self, r: usize, more: usize) -> [__m256; N] {
         // SAFETY: as promised by the caller.
         unsafe {
-            match self.start {
-                Start::Zero => [_mm256_setzero_ps(); N],
-                Start::Kept => load(self.out.add(r * self.out_step + LANES * more)),
-                Start::Bias(bias) => load(bias.as_ptr().add(LANES * (self.first + more))),
+            match self.init {
+                Init::Zero => [_mm256_setzero_ps(); N],
+                Init::Accumulate => load(self.out.add(r * self.out_step + LANES * more)),
+                Init::Bias(bias) => load(bias.as_ptr().add(LANES * (self.first + more))),
             }
         }
     }
 
-    /// Finishes and stores what [`Self::begin`] began.
+    /// Applies the epilogue to the sums of row r and stores them.
     ///
     /// # Safety
-    /// As for [`Self::begin`].
+    /// As for [`Self::load_sums`].
     #[inline]
     #[target_feature(enable = "avx2,fma")]
-    unsafe fn end<const N: usize>(&self, mut sums: [__m256; N], r: usize, more: usize, finish: &mut Finish<'_>) {
+    unsafe fn store_sums<const N: usize>(
+        &self,
+        mut sums: [__m256; N],
+        r: usize,
+        more: usize,
+        epilogue: &mut Epilogue<'_>,
+    ) {
         let (zero, first) = (_mm256_setzero_ps(), self.first + more);
-        match finish {
-            Finish::Plain => {}
-            Finish::Relu { masks, step } => {
+        match epilogue {
+            Epilogue::Identity => {}
+            Epilogue::Relu { masks, step } => {
                 let mut mask = 0;
                 for (k, s) in sums.iter_mut().enumerate() {
                     let keep = _mm256_cmp_ps::<_CMP_NLE_UQ>(*s, zero);
@@ -279,10 +286,10 @@ impl Block<'_> {
                 let word = unsafe { masks.get_unchecked_mut(r * *step) };
                 *word = if first == 0 { mask } else { *word | mask };
             }
-            Finish::Gate { active, step } => {
+            Epilogue::ReluGradient { outputs, step } => {
                 for (k, s) in sums.iter_mut().enumerate() {
                     // SAFETY: as promised by the caller.
-                    let a = unsafe { _mm256_loadu_ps(active.as_ptr().add(r * *step + LANES * (first + k))) };
+                    let a = unsafe { _mm256_loadu_ps(outputs.as_ptr().add(r * *step + LANES * (first + k))) };
                     *s = _mm256_andnot_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, zero), *s);
                 }
             }
@@ -294,9 +301,9 @@ impl Block<'_> {
     }
 }
 
-/// The lowest bit that is set, which is cleared.
+/// Number of the lowest bit that is set; clears it.
 #[inline(always)]
-const fn take(mask: &mut u64) -> usize {
+const fn pop_lowest_bit(mask: &mut u64) -> usize {
     let i = mask.trailing_zeros() as usize;
     *mask &= mask.wrapping_sub(1);
     i
@@ -325,13 +332,13 @@ unsafe fn add<const N: usize>(sums: &mut [__m256; N], v: *const f32, w: *const f
     }
 }
 
-/// Bytes to floats times `scale`, eight at a time, and a bit for each byte that is not zero.
+/// int8 numbers to floats times `scale`, eight at a time, and a bit for each number that is not zero.
 ///
 /// # Safety
 /// `bytes` and `out` must be as long as `eights` times eight, `masks` have a word for every
 /// eight of these.
 #[target_feature(enable = "avx2")]
-pub unsafe fn unpack(bytes: *const i8, eights: usize, scale: f32, out: *mut f32, masks: *mut u64) {
+pub unsafe fn dequantise(bytes: *const i8, eights: usize, scale: f32, out: *mut f32, masks: *mut u64) {
     // SAFETY: as promised by the caller.
     unsafe {
         let scale = _mm256_set1_ps(scale);

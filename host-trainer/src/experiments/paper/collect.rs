@@ -8,7 +8,7 @@ use crate::cli::PolicyArg;
 use crate::measure::{Subject, Trial};
 use crate::run::{FolderError, RunFolder};
 use crate::settings::Settings;
-use crate::train::Row;
+use crate::train::RoundMetrics;
 use crate::with_actor;
 use covey_env::{EpisodeMetrics, Scenario, ScenarioError};
 use covey_report::atomic::{self, WriteError};
@@ -243,8 +243,8 @@ fn same_worlds(run: &Run, other: &Settings) -> Result<(), CollectError> {
 }
 
 fn curves(folder: &RunFolder) -> Result<Curves, CollectError> {
-    let rows: Vec<Row> = metrics::read(folder.metrics())?;
-    let list = |f: fn(&Row) -> f64| rows.iter().map(|r| rounded(f(r))).collect::<Vec<_>>();
+    let rows: Vec<RoundMetrics> = metrics::read(folder.metrics())?;
+    let list = |f: fn(&RoundMetrics) -> f64| rows.iter().map(|r| rounded(f(r))).collect::<Vec<_>>();
     let found = Curves {
         episodes: rows.iter().map(|r| r.episodes).collect(),
         reward: list(|r| r.reward),

@@ -1,7 +1,7 @@
-//! The first layer on observations in cells: of 1,116 inputs some twenty are ones and the rest
+//! The input layer on observations in cells: of 1,116 inputs some twenty are ones and the rest
 //! zeros, so a sample is a list of the ones and the layer a sum of so many rows of weights.
 
-use crate::kernel::{Finish, LANES, Product, Start, Vectorised, vectorised};
+use crate::kernel::{Epilogue, Init, LANES, Product, Vectorised, vectorised};
 use crate::matrix::{Panels, Rows};
 use firmware_core::observation::cells::{Cells, VELOCITY};
 
@@ -10,10 +10,10 @@ type Lane = [f32; LANES];
 
 /// Samples as lists of the inputs that are one; two more inputs are plain numbers.
 #[derive(Clone, Debug)]
-pub struct ActiveRows {
+pub struct MultiHotRows {
     /// Inputs.
     width: usize,
-    /// Inputs that are one, sample by sample; an input that is there twice is two.
+    /// Inputs that are one, sample by sample; an input that is listed twice is two.
     active: Vec<u16>,
     /// Where the list of each sample ends.
     ends: Vec<u32>,
@@ -21,13 +21,13 @@ pub struct ActiveRows {
     velocity: Vec<[f32; 2]>,
 }
 
-impl ActiveRows {
-    /// Of so many inputs; no sample yet.
+impl MultiHotRows {
+    /// No samples yet, of `width` inputs each.
     pub const fn new(width: usize) -> Self {
         Self { width, active: Vec::new(), ends: Vec::new(), velocity: Vec::new() }
     }
 
-    /// Forgets all samples.
+    /// Removes all samples.
     pub fn clear(&mut self) {
         self.active.clear();
         self.ends.clear();
@@ -41,8 +41,8 @@ impl ActiveRows {
         self.velocity.push(cells.velocity().map(|v| f32::from(v) * (1.0 / 127.0)));
     }
 
-    /// Inputs that are not zero.
-    pub fn marked(&self) -> u64 {
+    /// How many inputs of all samples are not zero.
+    pub fn nonzeros(&self) -> u64 {
         let moving = self.velocity.as_flattened().iter().filter(|v| **v != 0.0).count();
         (self.active.len() + moving) as u64
     }
@@ -59,25 +59,25 @@ impl ActiveRows {
     }
 }
 
-/// `out = relu(bias + x·w)`, a row a sample, with marks for what is not zero. Terms are added
+/// `out = relu(bias + x·w)`, a row a sample, with masks for what is not zero. Terms are added
 /// in the order of the lists, the velocity first.
 ///
 /// # Panics
 /// When shapes do not fit.
-pub fn gather(x: &ActiveRows, w: &Panels, bias: &[f32], out: &mut Rows) {
+pub fn multi_hot_matmul(x: &MultiHotRows, w: &Panels, bias: &[f32], out: &mut Rows) {
     assert!(w.shape() == (x.width, out.width()), "weights of {:?}, inputs of {}", w.shape(), x.width);
     out.resize(x.ends.len());
-    let (step, words) = (out.step(), out.width().div_ceil(64));
-    let (values, masks) = out.parts_mut();
+    let (stride, words) = (out.stride(), out.words());
+    let (values, masks) = out.values_and_masks_mut();
     for (first, at, width) in w.panels() {
         vectorised(Gather {
             x,
             weights: w.values()[at..][..x.width * width].as_chunks().0,
             bias: bias[first..][..width].as_chunks().0,
             out: &mut values[first..],
-            step,
+            stride,
         });
-        // A sum of no terms more, for the kernel's ReLU and marks.
+        // A sum of no terms more, for the kernel's ReLU and masks.
         let sums = Product {
             rows: x.ends.len(),
             terms: 0,
@@ -89,8 +89,8 @@ pub fn gather(x: &ActiveRows, w: &Panels, bias: &[f32], out: &mut Rows) {
             weights: &[],
             weight_step: 0,
         };
-        let relu = Finish::Relu { masks: &mut masks[first / 64..], step: words };
-        sums.run(Start::Kept, relu, &mut values[first..], step);
+        let relu = Epilogue::Relu { masks: &mut masks[first / 64..], step: words };
+        sums.run(Init::Accumulate, relu, &mut values[first..], stride);
     }
 }
 
@@ -99,13 +99,13 @@ pub fn gather(x: &ActiveRows, w: &Panels, bias: &[f32], out: &mut Rows) {
 ///
 /// # Panics
 /// When shapes do not fit.
-pub fn add_active(x: &ActiveRows, g: &Rows, sum: &mut Panels) {
+pub fn add_multi_hot_gradient(x: &MultiHotRows, g: &Rows, sum: &mut Panels) {
     assert!(sum.shape() == (x.width, g.width()) && g.rows() == x.ends.len(), "shapes of a weight gradient");
     for (first, at, width) in sum.panels() {
         vectorised(Scatter {
             x,
             gradients: &g.values()[first..],
-            step: g.step(),
+            stride: g.stride(),
             sum: sum.values_mut()[at..][..x.width * width].as_chunks_mut().0,
             lanes: width / LANES,
         });
@@ -129,11 +129,11 @@ macro_rules! by_lanes {
 }
 
 struct Gather<'a> {
-    x: &'a ActiveRows,
+    x: &'a MultiHotRows,
     weights: &'a [Lane],
     bias: &'a [Lane],
     out: &'a mut [f32],
-    step: usize,
+    stride: usize,
 }
 
 impl Vectorised for Gather<'_> {
@@ -149,7 +149,7 @@ impl Vectorised for Gather<'_> {
 fn gather_rows<const N: usize>(g: Gather<'_>) {
     let (weights, _) = g.weights.as_chunks::<N>();
     let bias: [Lane; N] = std::array::from_fn(|k| g.bias[k]);
-    for ((list, velocity), out) in g.x.samples().zip(g.out.chunks_mut(g.step)) {
+    for ((list, velocity), out) in g.x.samples().zip(g.out.chunks_mut(g.stride)) {
         let mut sums = bias;
         for (k, v) in velocity.into_iter().enumerate() {
             add_scaled(&mut sums, v, &weights[VELOCITY + k]);
@@ -163,9 +163,9 @@ fn gather_rows<const N: usize>(g: Gather<'_>) {
 }
 
 struct Scatter<'a> {
-    x: &'a ActiveRows,
+    x: &'a MultiHotRows,
     gradients: &'a [f32],
-    step: usize,
+    stride: usize,
     sum: &'a mut [Lane],
     lanes: usize,
 }
@@ -182,7 +182,7 @@ impl Vectorised for Scatter<'_> {
 #[inline(always)]
 fn scatter_rows<const N: usize>(s: Scatter<'_>) {
     let (sum, _) = s.sum.as_chunks_mut::<N>();
-    for ((list, velocity), g) in s.x.samples().zip(s.gradients.chunks(s.step)) {
+    for ((list, velocity), g) in s.x.samples().zip(s.gradients.chunks(s.stride)) {
         let (g, _) = g.as_chunks::<LANES>();
         let g: [Lane; N] = std::array::from_fn(|k| g[k]);
         for (k, v) in velocity.into_iter().enumerate() {
@@ -211,7 +211,7 @@ fn add_scaled<const N: usize>(sums: &mut [Lane; N], scale: f32, x: &[Lane; N]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::matrix::{From, To, add_outer, multiply};
+    use crate::matrix::{Activation, add_weight_gradient, matmul};
     use firmware_core::observation::{BuildObservation, cells};
     use proptest::prelude::*;
 
@@ -231,46 +231,46 @@ mod tests {
             noise in prop::collection::vec(-1.0f32..1.0, 300),
         ) {
             let number = |k: usize| noise[k % 299] * noise[k / 299 % 300];
-            let (mut lists, mut dense) = (ActiveRows::new(INPUTS), Rows::new(INPUTS));
+            let (mut lists, mut dense) = (MultiHotRows::new(INPUTS), Rows::new(INPUTS));
             dense.resize(samples.len());
             dense.values_mut().fill(0.0);
-            let step = dense.step();
+            let stride = dense.stride();
             for (r, (ones, velocity)) in samples.iter().enumerate() {
                 let cells = Cells::new(*velocity, ones.iter().copied());
                 lists.push(&cells);
-                let row = &mut dense.values_mut()[r * step..][..INPUTS];
+                let row = &mut dense.values_mut()[r * stride..][..INPUTS];
                 ones.iter().for_each(|&i| row[usize::from(i)] += 1.0);
                 let [x, y] = cells.velocity().map(|v| f32::from(v) / 127.0);
                 (row[VELOCITY], row[VELOCITY + 1]) = (x, y);
             }
-            dense.mark();
+            dense.update_masks();
             let (mut w, flat) = (Panels::zeros(INPUTS, columns), (0..INPUTS * columns).map(number).collect::<Vec<_>>());
             w.load(&flat);
             let mut bias = vec![0.0; columns.next_multiple_of(LANES)];
             bias[..columns].iter_mut().enumerate().for_each(|(k, b)| *b = number(k + 7));
             let (mut got, mut expected) = (Rows::new(columns), Rows::new(columns));
-            gather(&lists, &w, &bias, &mut got);
-            multiply(&dense, &w, From::Bias(&bias), To::Relu, &mut expected);
+            multi_hot_matmul(&lists, &w, &bias, &mut got);
+            matmul(&dense, &w, Init::Bias(&bias), Activation::Relu, &mut expected);
             for r in 0..samples.len() {
                 for (a, b) in got.row(r).iter().zip(expected.row(r)) {
                     prop_assert!((a - b).abs() < 1e-4, "row {r}: {a}, not {b}");
                     prop_assert!(*a >= 0.0);
                 }
             }
-            // Marks are those of what is above zero.
-            let marked = (0..samples.len()).flat_map(|r| got.row(r)).filter(|v| **v > 0.0).count();
-            prop_assert_eq!(got.marked(), marked as u64);
-            // On the way back.
+            // The masks name what is above zero.
+            let nonzeros = (0..samples.len()).flat_map(|r| got.row(r)).filter(|v| **v > 0.0).count();
+            prop_assert_eq!(got.nonzeros(), nonzeros as u64);
+            // The backward pass.
             let mut g = Rows::new(columns);
             g.resize(samples.len());
-            let step = g.step();
+            let stride = g.stride();
             g.values_mut().fill(0.0);
-            g.values_mut().chunks_mut(step).enumerate().for_each(|(r, row)| {
+            g.values_mut().chunks_mut(stride).enumerate().for_each(|(r, row)| {
                 row[..columns].iter_mut().enumerate().for_each(|(c, v)| *v = number(r * 131 + c));
             });
             let (mut sum, mut expected) = (w.clone(), w.clone());
-            add_active(&lists, &g, &mut sum);
-            add_outer(&dense, &g, &mut expected);
+            add_multi_hot_gradient(&lists, &g, &mut sum);
+            add_weight_gradient(&dense, &g, &mut expected);
             for (a, b) in sum.values().iter().zip(expected.values()) {
                 prop_assert!((a - b).abs() < 1e-3, "{a}, not {b}");
             }
@@ -279,11 +279,11 @@ mod tests {
 
     #[test]
     fn samples_are_counted_without_their_zeros() {
-        let mut rows = ActiveRows::new(Cells::LEN);
+        let mut rows = MultiHotRows::new(Cells::LEN);
         rows.push(&Cells::new([0, 5], [1, 2, 2]));
         rows.push(&Cells::ZERO);
-        assert_eq!(rows.marked(), 4);
+        assert_eq!(rows.nonzeros(), 4);
         rows.clear();
-        assert_eq!(rows.marked(), 0);
+        assert_eq!(rows.nonzeros(), 0);
     }
 }

@@ -7,44 +7,45 @@ const BETA1: f32 = 0.9;
 const BETA2: f32 = 0.999;
 const EPSILON: f32 = 1e-5;
 
-/// State of the optimiser (Kingma and Ba, algorithm 1).
+/// State of the optimiser (Kingma and Ba 2015, algorithm 1) of one parameter vector; β 0.9 and
+/// 0.999, ε 10⁻⁵.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Adam {
-    first: Vec<f32>,
-    second: Vec<f32>,
+    first_moments: Vec<f32>,
+    second_moments: Vec<f32>,
     steps: u64,
 }
 
 impl Adam {
-    /// For a vector of this length.
+    /// For `length` parameters, before the first step.
     #[must_use]
     pub fn new(length: usize) -> Self {
-        Self { first: vec![0.0; length], second: vec![0.0; length], steps: 0 }
+        Self { first_moments: vec![0.0; length], second_moments: vec![0.0; length], steps: 0 }
     }
 
-    /// Length of the vector it is for.
+    /// Number of parameters.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.first.len()
+        self.first_moments.len()
     }
 
-    /// Whether it is for an empty vector.
+    /// Whether there are no parameters.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.first.is_empty()
+        self.first_moments.is_empty()
     }
 
-    /// One step of `values` against `gradient`, which is first shortened to `max_norm`.
-    /// Returns the norm before that.
-    pub fn step(&mut self, values: &mut [f32], gradient: &[f32], learning_rate: f64, max_norm: f64) -> f64 {
+    /// One step of `parameters` against `gradient`, which is first clipped to the global norm
+    /// `max_norm`. Returns the norm before that.
+    pub fn step(&mut self, parameters: &mut [f32], gradient: &[f32], learning_rate: f64, max_norm: f64) -> f64 {
         let norm = vectorised(SquareSum(gradient)).sqrt();
-        let shrink = (max_norm / (norm + 1e-6)).min(1.0) as f32;
+        let clip = (max_norm / (norm + 1e-6)).min(1.0) as f32;
         self.steps += 1;
         let correction = |beta: f32| 1.0 - f64::from(beta).powi(self.steps.min(i32::MAX as u64) as i32);
         let (c1, c2) = (correction(BETA1), correction(BETA2));
         let rate = (learning_rate * c2.sqrt() / c1) as f32;
         let epsilon = (f64::from(EPSILON) * c2.sqrt()) as f32;
-        vectorised(Step { adam: self, values, gradient, shrink, rate, epsilon });
+        vectorised(Step { adam: self, parameters, gradient, clip, rate, epsilon });
         norm
     }
 }
@@ -67,9 +68,9 @@ impl Vectorised for SquareSum<'_> {
 
 struct Step<'a> {
     adam: &'a mut Adam,
-    values: &'a mut [f32],
+    parameters: &'a mut [f32],
     gradient: &'a [f32],
-    shrink: f32,
+    clip: f32,
     rate: f32,
     epsilon: f32,
 }
@@ -79,9 +80,9 @@ impl Vectorised for Step<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let moments = self.adam.first.iter_mut().zip(&mut self.adam.second);
-        for ((v, &g), (m, s)) in self.values.iter_mut().zip(self.gradient).zip(moments) {
-            let g = g * self.shrink;
+        let moments = self.adam.first_moments.iter_mut().zip(&mut self.adam.second_moments);
+        for ((v, &g), (m, s)) in self.parameters.iter_mut().zip(self.gradient).zip(moments) {
+            let g = g * self.clip;
             *m += (1.0 - BETA1) * (g - *m);
             *s += (1.0 - BETA2) * (g * g - *s);
             *v -= self.rate * *m / (s.sqrt() + self.epsilon);

@@ -1,40 +1,40 @@
-//! The policy's distribution: probabilities from logits, and drawing from them.
+//! The policy's categorical distribution: probabilities from logits, and sampling.
 
 use covey_net::kernel::{LANES, Vectorised, padded, vectorised};
 use covey_net::{exp, ln};
 use firmware_core::action::{ACTIONS, Action};
 
-/// Logits of a row in whole vectors.
-pub const WIDTH: usize = padded(ACTIONS);
+/// Numbers in a row of logits with its padding: actions in whole vectors of the kernel.
+pub const PADDED_ACTIONS: usize = padded(ACTIONS);
 
-/// Log-probabilities and probabilities of a row of logits. Beyond the actions
-/// probabilities are zero and the logarithms any finite numbers.
+/// Log-probabilities (log-softmax) and probabilities (softmax) of a row of logits. In the padding
+/// probabilities are zero and their logarithms any finite numbers.
 // Plain loops: closures of `map` and `from_fn` are not always inlined, see `Vectorised`.
 #[inline(always)]
-pub fn distribution(row: &[f32; WIDTH]) -> ([f32; WIDTH], [f32; WIDTH]) {
+pub fn distribution(row: &[f32; PADDED_ACTIONS]) -> ([f32; PADDED_ACTIONS], [f32; PADDED_ACTIONS]) {
     let mut log_p = *row;
     log_p[ACTIONS..].fill(row[0]);
-    let mut tops = [f32::NEG_INFINITY; LANES];
-    for part in log_p.chunks_exact(LANES) {
-        tops.iter_mut().zip(part).for_each(|(t, &l)| *t = if l > *t { l } else { *t });
+    let mut maxima = [f32::NEG_INFINITY; LANES];
+    for lanes in log_p.chunks_exact(LANES) {
+        maxima.iter_mut().zip(lanes).for_each(|(m, &l)| *m = if l > *m { l } else { *m });
     }
-    let top = tops.iter().fold(tops[0], |a, &b| if b > a { b } else { a });
-    let mut p = [0.0; WIDTH];
-    p.iter_mut().zip(&log_p).for_each(|(p, l)| *p = exp(l - top));
+    let max = maxima.iter().fold(maxima[0], |a, &b| if b > a { b } else { a });
+    let mut p = [0.0; PADDED_ACTIONS];
+    p.iter_mut().zip(&log_p).for_each(|(p, l)| *p = exp(l - max));
     p[ACTIONS..].fill(0.0);
     let sum = sum(&p);
-    let (shift, scale) = (top + ln(sum), sum.recip());
+    let (shift, scale) = (max + ln(sum), sum.recip());
     log_p.iter_mut().for_each(|l| *l -= shift);
     p.iter_mut().for_each(|p| *p *= scale);
     (log_p, p)
 }
 
-/// Sum of a row, by vectors and then by halves.
+/// Sum of a padded row: by vectors, then by halves, so that it vectorises.
 #[inline(always)]
-pub fn sum(row: &[f32; WIDTH]) -> f32 {
+pub fn sum(row: &[f32; PADDED_ACTIONS]) -> f32 {
     let mut sums = [0.0; LANES];
-    for part in row.chunks_exact(LANES) {
-        sums.iter_mut().zip(part).for_each(|(s, v)| *s += v);
+    for lanes in row.chunks_exact(LANES) {
+        sums.iter_mut().zip(lanes).for_each(|(s, v)| *s += v);
     }
     let [a, b, c, d, e, f, g, h] = sums;
     ((a + e) + (c + g)) + ((b + f) + (d + h))
@@ -45,13 +45,14 @@ pub fn sum(row: &[f32; WIDTH]) -> f32 {
 /// # Panics
 /// When it is shorter than the padded row.
 #[inline(always)]
-pub fn row_of(values: &[f32]) -> &[f32; WIDTH] {
-    values[..WIDTH].try_into().expect("a padded row of logits")
+pub fn padded_row(values: &[f32]) -> &[f32; PADDED_ACTIONS] {
+    values[..PADDED_ACTIONS].try_into().expect("a padded row of logits")
 }
 
-/// The action in which `draw`, 0 to 1, of the probability falls.
+/// The first action up to which the probabilities sum to more than `draw`, which is uniform in 0
+/// to 1.
 #[inline(always)]
-fn pick(probabilities: &[f32; WIDTH], draw: f64) -> usize {
+fn invert_cdf(probabilities: &[f32; PADDED_ACTIONS], draw: f64) -> usize {
     let mut left = draw;
     for (action, p) in probabilities[..ACTIONS].iter().enumerate() {
         left -= f64::from(*p);
@@ -62,23 +63,24 @@ fn pick(probabilities: &[f32; WIDTH], draw: f64) -> usize {
     usize::from(Action::COAST.index())
 }
 
-/// Draws an action for every row of logits, padded as in [`Rows`](covey_net::Rows); `draws` are
-/// uniform in 0 to 1. Hands out the actions with their log-probabilities.
-pub fn sample(logits: &[f32], draws: &[f64], taken: impl FnMut(usize, Action, f32)) {
+/// Samples an action for every row of logits, padded as in [`Rows`](covey_net::Rows), by one of
+/// `draws` each, which are uniform in 0 to 1. Calls `take` with each row's number, action and
+/// log-probability.
+pub fn sample(logits: &[f32], draws: &[f64], take: impl FnMut(usize, Action, f32)) {
     struct Sample<'a, F>(&'a [f32], &'a [f64], F);
     impl<F: FnMut(usize, Action, f32)> Vectorised for Sample<'_, F> {
         type Output = ();
         #[inline(always)]
         fn call(mut self) {
-            let rows = self.0.chunks_exact(WIDTH).zip(self.1);
+            let rows = self.0.chunks_exact(PADDED_ACTIONS).zip(self.1);
             for (k, (row, &draw)) in rows.enumerate() {
-                let (log_p, p) = distribution(row_of(row));
-                let action = pick(&p, draw);
+                let (log_p, p) = distribution(padded_row(row));
+                let action = invert_cdf(&p, draw);
                 self.2(k, Action::new(action as u8).unwrap_or(Action::COAST), log_p[action]);
             }
         }
     }
-    vectorised(Sample(logits, draws, taken));
+    vectorised(Sample(logits, draws, take));
 }
 
 #[cfg(test)]
@@ -89,7 +91,7 @@ mod tests {
     proptest! {
         #[test]
         fn probabilities_are_the_softmax(logits in proptest::array::uniform17(-30.0f32..30.0), draw in 0.0f64..1.0) {
-            let mut row = [f32::NAN; WIDTH];
+            let mut row = [f32::NAN; PADDED_ACTIONS];
             row[..ACTIONS].copy_from_slice(&logits);
             let (log_p, p) = distribution(&row);
             let sum: f64 = logits.iter().map(|&l| f64::from(l).exp()).sum();
@@ -100,7 +102,7 @@ mod tests {
             }
             prop_assert!(p[ACTIONS..].iter().all(|&p| p == 0.0));
             // The draw falls into its action's share.
-            let action = pick(&p, draw);
+            let action = invert_cdf(&p, draw);
             let below: f64 = exact[..action].iter().map(|e| e.exp()).sum();
             prop_assert!(draw > below - 1e-5 && draw < below + exact[action].exp() + 1e-5);
         }

@@ -1,0 +1,11 @@
+//! The layers that networks are made of.
+
+mod bias_name;
+mod block_gradient;
+mod dense;
+mod encoder;
+mod input_layer;
+
+pub(crate) use block_gradient::BlockGradient;
+pub(crate) use dense::{Bias, Dense, Weights};
+pub(crate) use encoder::{Encoder, EncoderGradient, EncoderPass};
