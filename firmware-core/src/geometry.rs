@@ -13,9 +13,9 @@ pub const TICKS_PER_U: i32 = 1024;
 pub const MAP_SIDE_U: f32 = 200.0;
 /// A PoI within this distance of a UAV is covered, u (the limit is inside).
 pub const COVERAGE_RANGE_U: i32 = 10;
-/// A PoI within this distance of a UAV is seen, u (the limit is inside).
+/// A PoI within this distance of a UAV is in its view, u (the limit is inside).
 pub const OBSERVATION_RANGE_U: i32 = 13;
-/// UAVs within this distance of each other are linked, u (the limit is inside).
+/// UAVs within this distance of each other are neighbours, u (the limit is inside).
 pub const COMMUNICATION_RANGE_U: i32 = 18;
 /// Greatest speed, u/step.
 pub const SPEED_CAP_U: i32 = 4;

@@ -28,8 +28,8 @@ pub fn action_draw(seed: u64, id: u16, step: u32) -> u32 {
 }
 
 /// The tie-breaker that UAV `id` announces for `step`, uniform in −127..=127: of two
-/// linked UAVs that see the same, the one with the higher number goes first (equal
-/// numbers: the higher id). It is drawn anew every `period` steps (0 counts as 1).
+/// neighbours the one with the higher number has priority (equal numbers: the higher id), so
+/// that UAVs which observe the same do not do the same. It is drawn anew every `period` steps (0 counts as 1).
 #[must_use]
 pub fn tie_breaker(seed: u64, id: u16, step: u32, period: u32) -> i8 {
     let round = step / period.max(1);

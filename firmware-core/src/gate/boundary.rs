@@ -1,4 +1,4 @@
-//! The geofence as seen from a place: its boundaries, their directions and distances.
+//! The geofence around a place: its boundaries, their directions and distances.
 
 use super::polygon::MAX_CORNERS;
 use super::vector::{Unit, Vector, difference};
@@ -7,7 +7,7 @@ use heapless::Vec;
 /// Most boundaries of a geofence: the edges and the circle.
 pub(super) const MAX_BOUNDARIES: usize = MAX_CORNERS + 1;
 
-/// A piece of the fence as seen from a place.
+/// The part of an edge or circle that is nearest to a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Boundary {
     /// Direction to its nearest point.
@@ -43,7 +43,7 @@ impl Boundary {
     }
 }
 
-/// The fence as seen from a place.
+/// The geofence around a place.
 #[derive(Clone, Debug)]
 pub(super) struct GeofenceView {
     pub inside: bool,

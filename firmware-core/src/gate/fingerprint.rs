@@ -15,7 +15,7 @@ use rand_xoshiro::rand_core::{Rng, SeedableRng};
 pub const FINGERPRINT_TICKS: u32 = 20_000;
 
 /// A hash over the verdicts of `ticks` ticks ([`FINGERPRINT_TICKS`] by convention) of one long made-up flight, in which a
-/// wild actor flies at the fence, everything goes wrong now and then, and the operator starts again. 0 when there is
+/// reckless actor flies at the fence, everything goes wrong now and then, and the operator starts again. 0 when there is
 /// no such gate, which does not happen.
 #[must_use]
 pub fn fingerprint(ticks: u32) -> u64 {
@@ -41,8 +41,8 @@ struct Flight {
     inputs: Inputs,
     clock_ms: u32,
     state: Measured,
-    /// The actor's wish lasts for some ticks.
-    wish: Proposal,
+    /// What the actor proposes lasts for some ticks.
+    proposal: Proposal,
 }
 
 impl Flight {
@@ -54,7 +54,7 @@ impl Flight {
             // The clock wraps on the way.
             clock_ms: u32::MAX - 600_000,
             state,
-            wish: Proposal::default(),
+            proposal: Proposal::default(),
         }
     }
 
@@ -81,12 +81,12 @@ impl Flight {
             _ => {}
         }
         if r & 7 == 1 {
-            self.wish =
+            self.proposal =
                 Proposal { velocity: self.vector(7000), acceleration: self.vector(3000), ..Proposal::default() };
-            self.wish.altitude_mm = 30_000 + self.part(100_000);
+            self.proposal.altitude_mm = 30_000 + self.part(100_000);
         }
         let now = self.clock_ms;
-        (self.state.time_ms, self.wish.decided_ms) = (now, now);
+        (self.state.time_ms, self.proposal.decided_ms) = (now, now);
         // What goes wrong lasts for about eight ticks.
         let fault = if r & 63 == 0 { event } else { 32 };
         let heals = (r >> 13) & 7 == 0;
@@ -110,7 +110,7 @@ impl Flight {
         i.airborne = !kept(fault == 13, !i.airborne);
         i.battery_permille = if kept(fault == 14, i.battery_permille == Some(100)) { Some(100) } else { Some(700) };
         i.self_test = fault != 15;
-        i.proposal = if kept(fault == 16, i.proposal.is_none()) { None } else { Some(self.wish) };
+        i.proposal = if kept(fault == 16, i.proposal.is_none()) { None } else { Some(self.proposal) };
         i.operator = match fault {
             17 => Some(Request::Release),
             18 => Some(Request::Return),
@@ -120,7 +120,7 @@ impl Flight {
         &self.inputs
     }
 
-    /// Does as it is told, but for a gust.
+    /// Follows the setpoint, but for a gust.
     fn follow(&mut self, verdict: &Verdict) {
         if let Some(setpoint) = verdict.setpoint() {
             self.state.velocity = setpoint.velocity + self.vector(200);

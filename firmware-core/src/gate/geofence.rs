@@ -96,7 +96,7 @@ impl Geofence {
         (if view.inside { distance } else { -distance }) as i32
     }
 
-    /// The fence as seen from a place (clamped to ±[`POSITION_LIMIT_MM`]).
+    /// The geofence around a place (clamped to ±[`POSITION_LIMIT_MM`]).
     pub(super) fn view(&self, place: Vector) -> GeofenceView {
         let place = place.clamped(POSITION_LIMIT_MM);
         let mut view = GeofenceView { inside: true, boundaries: Vec::new(), nearest: None };

@@ -73,7 +73,7 @@ pub struct Proposal {
 /// Flight modes, as far as the gate tells them apart.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum FlightMode {
-    /// No heartbeat has told yet.
+    /// No heartbeat has said yet.
     #[default]
     Unknown,
     /// The mode that takes setpoints: ArduPilot's GUIDED, PX4's OFFBOARD.

@@ -1,4 +1,4 @@
-//! Monitors the inputs for everything that can be wrong with the vehicle, its link and its telemetry.
+//! Monitors the inputs for everything that can be wrong with the vehicle, its connection and its telemetry.
 
 use super::clock::age_ms;
 use super::debounce::Debounce;

@@ -28,7 +28,7 @@ pub struct Gate {
     phase: Phase,
     /// When the phase began, on the vehicle's clock; nothing before that is heard.
     since_ms: Option<u32>,
-    /// What the heartbeats told since the operator asked.
+    /// What the heartbeats have said since the operator asked.
     heartbeats: Heartbeats,
     /// Since when the vehicle is being stopped, on both clocks.
     stopping: Option<(u32, u32)>,
@@ -38,7 +38,7 @@ pub struct Gate {
     sent: Option<(Setpoint, u32)>,
 }
 
-/// What the heartbeats told since the operator asked.
+/// What the heartbeats have said since the operator asked.
 #[derive(Clone, Copy, Debug, Default)]
 struct Heartbeats {
     guided: bool,
@@ -183,7 +183,7 @@ impl Gate {
         match self.phase {
             Phase::Idle(_) => None,
             _ if !inputs.self_test => Some(Reason::SelfTestFailed),
-            // The mode that it was told to leave for is the return.
+            // The vehicle leaves for the return, as it was commanded to.
             Phase::Returning(reason) if other => Some(reason),
             _ if was_guided && other => Some(Reason::ModeLeft),
             _ if was_armed && !inputs.armed => Some(Reason::Disarmed),

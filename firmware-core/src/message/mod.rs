@@ -1,7 +1,7 @@
 //! The two messages that UAVs of one swarm send each other.
 //!
 //! A [`Beacon`] tells where its sender is; it comes just before a step and as often as
-//! the link allows. A [`FeatureMessage`] carries what the sender's encoder made of its
+//! the radio allows. A [`FeatureMessage`] carries what the sender's encoder made of its
 //! observation, once a step. Both have a fixed little-endian layout, described byte by
 //! byte in `docs/messages.md`, and exactly one form: two different byte strings never
 //! mean the same. There is no checksum inside; the transport that carries them has one.

@@ -8,7 +8,7 @@
 //! All times are of the swarm's common clock. Clocks, steps and sequence numbers wrap
 //! around; of two of them the newer is the one that is less than half a turn ahead. A
 //! beacon or feature that lies in the future by more than [`MAX_AHEAD_STEPS`] is not
-//! taken and one that is kept is forgotten: so a clock that jumps back leaves no ghosts.
+//! taken and one that is kept is forgotten: so a clock that jumps back leaves no neighbours that are long gone.
 
 mod age;
 mod entry;
