@@ -1,20 +1,18 @@
-//! From degrees to the map and back.
+//! The origin of a mission, and from degrees to the map and back.
 //!
-//! The swarm agrees on one origin, the map's south-west corner. Around it the earth is
-//! taken as flat, with ArduPilot's own metres per degree, so that what its
-//! LOCAL_POSITION_NED says fits what its GLOBAL_POSITION_INT says. They are within 0.7 % of
-//! the true ones, and what counts is that all UAVs of a swarm take the same.
+//! The swarm agrees on one origin, the map's south-west corner. The conversion around it is
+//! [`firmware_core::navigation`]'s, the same as on a microcontroller.
 
-use firmware_core::geometry::{TICKS_PER_U, Vec2};
+pub use firmware_core::navigation::{LocalPosition as Place, MapScale as Scale, REACH_MM, degrees_to_e7 as to_e7};
+
+use firmware_core::navigation::{LATITUDE_LIMIT_E7, LocalFrame};
 use thiserror::Error;
 
-/// Positions farther than this from the origin are of no mission, mm.
-pub const REACH_MM: f64 = 20_000_000.0;
 /// Least distance of the origin to the date line and to the poles: the reach, roughly.
 const MARGIN_DEG: f64 = 1.0;
-/// The plane bends more towards the poles.
-const LATITUDE_LIMIT_DEG: f64 = 80.0;
 const UNITS_PER_DEG: f64 = 1e7;
+/// Greatest latitude of an origin, north and south, degrees.
+const LATITUDE_LIMIT_DEG: f64 = LATITUDE_LIMIT_E7 as f64 / UNITS_PER_DEG;
 
 /// An origin around which no map is laid.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
@@ -44,18 +42,7 @@ pub struct Plane {
     pub lon_e7: i32,
     /// Altitude of the origin above mean sea level, mm.
     pub alt_mm: i32,
-    /// Millimetres in 1e-7 degrees of latitude and of longitude.
-    mm_per_lat: f64,
-    mm_per_lon: f64,
-}
-
-/// A place on the plane: mm east and north of the origin.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Place {
-    /// East, mm.
-    pub east_mm: f64,
-    /// North, mm.
-    pub north_mm: f64,
+    frame: LocalFrame,
 }
 
 impl Plane {
@@ -77,28 +64,21 @@ impl Plane {
             return Err(OriginError::Altitude(alt_m));
         }
         let (lat_e7, lon_e7) = (to_e7(lat), to_e7(lon));
-        let [mm_per_lat, mm_per_lon] = mm_per_unit(f64::from(lat_e7) / UNITS_PER_DEG);
+        let frame = LocalFrame::new(lat_e7, lon_e7).ok_or(OriginError::Latitude(lat))?;
         // At most 9,000,000.
-        Ok(Self { lat_e7, lon_e7, alt_mm: (alt_m * 1000.0).round() as i32, mm_per_lat, mm_per_lon })
+        Ok(Self { lat_e7, lon_e7, alt_mm: (alt_m * 1000.0).round() as i32, frame })
     }
 
     /// Where a latitude and longitude (1e-7 degrees) lie; `None` beyond [`REACH_MM`].
     #[must_use]
     pub fn place(&self, lat_e7: i32, lon_e7: i32) -> Option<Place> {
-        let units = |a: i32, b: i32| (i64::from(a) - i64::from(b)) as f64;
-        let place = Place {
-            east_mm: units(lon_e7, self.lon_e7) * self.mm_per_lon,
-            north_mm: units(lat_e7, self.lat_e7) * self.mm_per_lat,
-        };
-        let near = |mm: f64| mm.abs() <= REACH_MM;
-        (near(place.east_mm) && near(place.north_mm)).then_some(place)
+        self.frame.local(lat_e7, lon_e7)
     }
 
     /// Latitude and longitude of a place, 1e-7 degrees, rounded to the nearest.
     #[must_use]
     pub fn degrees_e7(&self, place: Place) -> (i32, i32) {
-        let units = |mm: f64, per: f64, from: i32| (f64::from(from) + (mm / per).round()) as i32;
-        (units(place.north_mm, self.mm_per_lat, self.lat_e7), units(place.east_mm, self.mm_per_lon, self.lon_e7))
+        self.frame.geodetic_e7(place)
     }
 
     /// Latitude and longitude of the origin, degrees.
@@ -108,79 +88,18 @@ impl Plane {
     }
 }
 
-/// Degrees to 1e-7 degrees; `degrees` lies within ±180.
-#[must_use]
-pub fn to_e7(degrees: f64) -> i32 {
-    (degrees * UNITS_PER_DEG).round() as i32
-}
-
-/// Millimetres in 1e-7 degrees of latitude and of longitude: ArduPilot's
-/// `LOCATION_SCALING_FACTOR`, the globe's equatorial radius of 6,378,100 m.
-fn mm_per_unit(lat: f64) -> [f64; 2] {
-    const MM: f64 = 11.131_884_502_145_034;
-    [MM, MM * lat.to_radians().cos()]
-}
-
-/// Lengths and times of the map: how many metres a unit and seconds a step has.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scale {
-    /// Metres in a map unit.
-    pub unit_m: f64,
-    /// Milliseconds in a step.
-    pub step_ms: u16,
-}
-
-impl Scale {
-    /// Seconds in a step.
-    #[must_use]
-    pub fn step_s(&self) -> f64 {
-        f64::from(self.step_ms) / 1000.0
-    }
-
-    /// Metres to ticks, to the nearest, halves away from zero. Not-a-number becomes 0: callers
-    /// refuse it first.
-    #[must_use]
-    pub fn ticks(&self, metres: f64) -> i32 {
-        (metres / self.unit_m * f64::from(TICKS_PER_U)).round() as i32
-    }
-
-    /// A place to map ticks.
-    #[must_use]
-    pub fn position(&self, place: Place) -> Vec2 {
-        Vec2::from_ticks(self.ticks(place.east_mm / 1000.0), self.ticks(place.north_mm / 1000.0))
-    }
-
-    /// Map ticks to a place.
-    #[must_use]
-    pub fn place(&self, position: Vec2) -> Place {
-        let mm = |ticks: i32| f64::from(ticks) / f64::from(TICKS_PER_U) * self.unit_m * 1000.0;
-        Place { east_mm: mm(position.x), north_mm: mm(position.y) }
-    }
-
-    /// A velocity east and north, m/s, to ticks a step.
-    #[must_use]
-    pub fn velocity(&self, east_mps: f64, north_mps: f64) -> Vec2 {
-        let step_s = self.step_s();
-        Vec2::from_ticks(self.ticks(east_mps * step_s), self.ticks(north_mps * step_s))
-    }
-
-    /// Metres a second in u a step.
-    #[must_use]
-    pub fn mps(&self, u_per_step: f32) -> f64 {
-        f64::from(u_per_step) * self.unit_m / self.step_s()
-    }
-
-    /// Metres a second squared in u a step squared.
-    #[must_use]
-    pub fn mps2(&self, u_per_step2: f32) -> f64 {
-        f64::from(u_per_step2) * self.unit_m / (self.step_s() * self.step_s())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use firmware_core::geometry::{TICKS_PER_U, Vec2};
     use proptest::prelude::*;
+
+    /// Millimetres in 1e-7 degrees of latitude and of longitude: ArduPilot's
+    /// `LOCATION_SCALING_FACTOR`, the globe's equatorial radius of 6,378,100 m.
+    fn mm_per_unit(lat: f64) -> [f64; 2] {
+        const MM: f64 = 11.131_884_502_145_034;
+        [MM, MM * lat.to_radians().cos()]
+    }
 
     const SCALE: Scale = Scale { unit_m: 2.5, step_ms: 2000 };
 
@@ -194,6 +113,20 @@ mod tests {
             let (north, east) = (north / 2, east / 2);
             let place = plane.place(plane.lat_e7 + north, plane.lon_e7 + east).unwrap();
             prop_assert_eq!(plane.degrees_e7(place), (plane.lat_e7 + north, plane.lon_e7 + east));
+        }
+
+        #[test]
+        fn the_map_is_that_of_ardupilots_metres_per_degree(
+            lat in -80.0f64..80.0, lon in -179.0f64..179.0, north in -1_000_000i32..1_000_000, east in -1_000_000i32..1_000_000,
+        ) {
+            let plane = Plane::new(lat, lon, 0.0).unwrap();
+            let [per_lat, per_lon] = mm_per_unit(f64::from(plane.lat_e7) / UNITS_PER_DEG);
+            let place = plane.place(plane.lat_e7 + north, plane.lon_e7 + east).unwrap();
+            let (north_mm, east_mm) = (f64::from(north) * per_lat, f64::from(east) * per_lon);
+            prop_assert_eq!(place.north_mm, north_mm);
+            // This computer's cosine may differ in the last digit.
+            prop_assert!((place.east_mm - east_mm).abs() <= east_mm.abs() * f64::EPSILON);
+            prop_assert_eq!(SCALE.position(place), SCALE.position(Place { east_mm, north_mm }));
         }
 
         #[test]
