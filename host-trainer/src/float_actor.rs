@@ -31,7 +31,7 @@ impl FloatActor {
     #[must_use]
     pub fn new(s: &Settings, mut values: Vec<f32>) -> Self {
         let dimensions = dimensions(s);
-        let aggregation = s.graph.0;
+        let aggregation = s.graph;
         let layout = ParameterLayout::actor(dimensions, aggregation);
         for piece in layout.pieces().iter().filter(|p| p.name.starts_with("output")) {
             values[piece.start..piece.start + piece.len()].iter_mut().for_each(|v| *v /= s.temperature as f32);

@@ -1,16 +1,11 @@
-//! Trains Covey's policy, quantises it and measures it.
+#![doc = include_str!("../README.md")]
 
-pub mod any_actor;
 pub mod cli;
 pub mod commands;
+pub mod eval;
 pub mod experiments;
-pub mod finish;
+pub mod export;
 pub mod float_actor;
-pub mod in_the_loop;
-pub mod measure;
-pub mod over_link;
-pub mod quantise;
-pub mod report_page;
 pub mod run;
 pub mod settings;
 pub mod train;

@@ -183,5 +183,5 @@ fn what_cannot_be_compared_is_refused() {
     succeed(&mut quick(&out, &one));
     assert!(text(&out.join("report.md")).contains("fly as int8 actors"));
     let uniform = ["--settings", "shipped", "--set", "poi_distribution=uniform"];
-    refuse(&mut quick(&out, &[&one[..], &uniform].concat()), &["scenario = Uniform", "Clustered", "--out"]);
+    refuse(&mut quick(&out, &[&one[..], &uniform].concat()), &["poi_distribution = uniform", "clustered", "--out"]);
 }

@@ -78,7 +78,8 @@ impl Shard {
     fn resize(&mut self, s: &Settings, uavs: usize) -> Result<(), RadioWorldError> {
         let count = self.policy_seeds.len();
         let (row, cells) = (count * uavs, count * uavs * self.steps);
-        let scenario = |world| Scenario { uavs, distribution: s.law_in(self.number, world, count), ..s.world() };
+        let scenario =
+            |world| Scenario { uavs, distribution: s.distribution_in(self.number, world, count), ..s.world() };
         self.worlds = (0..count).map(|world| World::new(&scenario(world))).collect::<Result<_, _>>()?;
         self.eyes = vec![Eyes::new(s, uavs)?; count];
         self.uavs = uavs;

@@ -203,7 +203,7 @@ impl Trainer {
             .map(|k| Shard::new(&settings, k as u32, (k + 1) * worlds / shards - k * worlds / shards))
             .collect::<Result<_, _>>()?;
         let layouts = layouts(&settings, inputs);
-        let mut nets = Networks::new(&layouts, settings.graph.0);
+        let mut nets = Networks::new(&layouts, settings.graph);
         nets.actor.load(&state.actor);
         nets.critic.load(&state.critic);
         let seen = match settings.observation {
@@ -450,5 +450,5 @@ pub fn dimensions(s: &Settings) -> Dimensions {
 
 fn layouts(s: &Settings, inputs: u16) -> [ParameterLayout; 2] {
     let d = Dimensions { observation: inputs, ..dimensions(s) };
-    [ParameterLayout::actor(d, s.graph.0), ParameterLayout::critic(d)]
+    [ParameterLayout::actor(d, s.graph), ParameterLayout::critic(d)]
 }

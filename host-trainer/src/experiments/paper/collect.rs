@@ -1,15 +1,12 @@
 //! From run folders to results.
 
+use super::design::{SIZES, WORLDS};
 use super::kind::{Kind, common};
 use super::results::{Baseline, Curves, Flight, Group, Results, RunResult, rounded};
-use super::{SIZES, WORLDS};
-use crate::any_actor::AnyActor;
-use crate::cli::PolicyArg;
-use crate::measure::{Subject, Trial};
+use crate::eval::{AnyActor, EvalConfig, EvalPolicy, ReferencePolicy, with_actor};
 use crate::run::{FolderError, RunFolder};
-use crate::settings::Settings;
+use crate::settings::{Settings, word_of};
 use crate::train::Row;
-use crate::with_actor;
 use covey_env::{EpisodeMetrics, Scenario, ScenarioError};
 use covey_report::atomic::{self, WriteError};
 use covey_report::metrics::{self, MetricsError};
@@ -19,8 +16,8 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// Hand-written policies to compare with.
-pub const BASELINES: [PolicyArg; 4] =
-    [PolicyArg::Random, PolicyArg::Centroid, PolicyArg::Planner, PolicyArg::Remembering];
+pub const BASELINES: [ReferencePolicy; 4] =
+    [ReferencePolicy::Random, ReferencePolicy::Centroid, ReferencePolicy::Planner, ReferencePolicy::Remembering];
 
 /// Why runs could not be collected.
 #[derive(Debug, Error)]
@@ -126,7 +123,7 @@ pub fn folder_of(out: &Path, kind: Kind) -> PathBuf {
 /// Folder name of a run.
 #[must_use]
 pub fn run_name(s: &Settings) -> String {
-    format!("{}-seed{}", s.graph.0.name(), s.seed)
+    format!("{}-seed{}", word_of(s.graph), s.seed)
 }
 
 /// Run folders of a kind, by algorithm and seed; those without settings (a run that was cut
@@ -145,7 +142,7 @@ pub fn runs(out: &Path, kind: Kind) -> Result<Vec<Run>, CollectError> {
         let Ok(folder) = RunFolder::open(&entry.map_err(list)?.path()) else { continue };
         found.push(Run { settings: folder.settings()?, folder });
     }
-    found.sort_by_key(|r| (r.settings.graph.0 as u8, r.settings.seed));
+    found.sort_by_key(|r| (r.settings.graph as u8, r.settings.seed));
     Ok(found)
 }
 
@@ -174,7 +171,7 @@ const FLIGHTS: &str = "flights.json";
 
 /// What that file holds.
 #[derive(Serialize, Deserialize)]
-struct ActorInput {
+struct FlightsFile {
     /// Content hash of the actor that flew.
     actor: String,
     worlds: Worlds,
@@ -200,7 +197,7 @@ pub fn collect(out: &Path, count: Option<u32>, mut watch: impl FnMut(&str)) -> R
         let results = runs.iter().map(|run| {
             let name = format!("{} {}", kind.name(), run_name(&run.settings));
             Ok(RunResult {
-                graph: run.settings.graph.0.name().to_owned(),
+                graph: word_of(run.settings.graph).to_owned(),
                 seed: run.settings.seed,
                 curves: curves(&run.folder)?,
                 flights: flights(run, worlds, || watch(&name))?,
@@ -229,7 +226,7 @@ fn same_worlds(run: &Run, other: &Settings) -> Result<(), CollectError> {
     let (s, o) = (run.settings.world(), other.world());
     let pairs = [
         ("pois", s.pois.to_string(), o.pois.to_string()),
-        ("scenario", format!("{:?}", s.distribution), format!("{:?}", o.distribution)),
+        ("poi_distribution", word_of(s.distribution).to_owned(), word_of(o.distribution).to_owned()),
         ("side", s.side_u.to_string(), o.side_u.to_string()),
         ("steps", s.steps.to_string(), o.steps.to_string()),
         ("eval_seed", run.settings.eval_seed.to_string(), other.eval_seed.to_string()),
@@ -270,7 +267,7 @@ fn flights(run: &Run, worlds: Worlds, watch: impl FnOnce()) -> Result<Vec<Flight
     let hash = format!("{:016x}", with_actor!(actor, actor => actor.content_hash()));
     cached(&flown, &hash, worlds, || {
         watch();
-        fly(&Subject::of(&actor), &run.settings, worlds)
+        fly(&EvalPolicy::of(&actor), &run.settings, worlds)
     })
 }
 
@@ -283,11 +280,11 @@ fn baselines(
 ) -> Result<Vec<Baseline>, CollectError> {
     let w = s.world();
     let of = format!("{} {:?} {} {}", w.pois, w.distribution, w.side_u, w.steps);
-    let fly = |policy: PolicyArg| {
+    let fly = |policy: ReferencePolicy| {
         let file = out.join("runs").join(format!("{}.json", policy.name()));
         let flights = cached(&file, &of, worlds, || {
             watch(policy.name());
-            fly(&Subject::Written(policy), s, worlds)
+            fly(&EvalPolicy::Reference(policy), s, worlds)
         })?;
         Ok(Baseline { policy: policy.name().to_owned(), flights })
     };
@@ -306,21 +303,21 @@ fn cached(
     if let Some(flown) = read(file).filter(|f| f.actor == of && f.worlds == worlds && sizes(&f.flights)) {
         return Ok(flown.flights);
     }
-    let flown = ActorInput { actor: of.to_owned(), worlds, flights: fly()? };
+    let flown = FlightsFile { actor: of.to_owned(), worlds, flights: fly()? };
     atomic::write(file, serde_json::to_string(&flown)?.as_bytes())?;
     Ok(flown.flights)
 }
 
 /// Flights that were written before; none when there are none, or none that can be read.
-fn read(file: &Path) -> Option<ActorInput> {
+fn read(file: &Path) -> Option<FlightsFile> {
     std::fs::read(file).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok())
 }
 
-fn fly(subject: &Subject<'_>, s: &Settings, worlds: Worlds) -> Result<Vec<Flight>, ScenarioError> {
+fn fly(policy: &EvalPolicy<'_>, s: &Settings, worlds: Worlds) -> Result<Vec<Flight>, ScenarioError> {
     let one = |uavs: u16| {
         let scenario = Scenario { uavs: usize::from(uavs), ..s.world() };
-        let trial = Trial { scenario, seed: worlds.seed, worlds: worlds.count, mode: Mode::Sample };
-        let r = subject.measure("", &trial)?;
+        let config = EvalConfig { scenario, seed: worlds.seed, worlds: worlds.count, mode: Mode::Sample };
+        let r = policy.evaluate("", &config)?;
         let values = [r.coverage, r.coverage_last, r.energy, r.individual, r.group, r.reward, r.fairness];
         Ok(Flight { uavs, mean: EpisodeMetrics::from_values(values.map(rounded)) })
     };

@@ -1,8 +1,9 @@
 //! One group beside the other: what Covey's defaults add to the paper's setting.
 
+use super::design::title;
+use super::kind::Kind;
 use super::results::{Group, Metric, Results, RunResult};
 use super::tables::{at, difference};
-use super::{Kind, title};
 use firmware_core::actor::Aggregation;
 use std::fmt::Write;
 

@@ -8,6 +8,7 @@
 mod claims;
 pub mod collect;
 mod compare;
+mod design;
 mod figures;
 mod judge;
 mod kind;
@@ -18,27 +19,10 @@ pub mod statistics;
 mod tables;
 
 pub use claims::{CLAIMS, Claim};
+pub use design::{SIZES, WORLDS, title};
 pub use figures::figures;
 pub use judge::{Bar, Finding, Verdict, judge};
 pub use kind::{Kind, QUICK};
 pub use quantity::{Measure, Quantity, When};
 pub use report::page;
 pub use results::{Baseline, Curves, Flight, Group, Metric, Results, ResultsError, RunResult};
-
-use firmware_core::actor::Aggregation;
-
-/// Numbers of UAVs with which the paper flies its trained policies.
-pub const SIZES: [u16; 6] = [5, 10, 15, 20, 25, 30];
-
-/// Worlds that the paper flies with each number of UAVs.
-pub const WORLDS: u32 = 100;
-
-/// The algorithm's name in tables and pictures.
-#[must_use]
-pub const fn title(graph: Aggregation) -> &'static str {
-    match graph {
-        Aggregation::None => "plain PPO",
-        Aggregation::Gcn => "GCN",
-        Aggregation::Gat => "GAT",
-    }
-}

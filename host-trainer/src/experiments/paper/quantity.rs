@@ -1,8 +1,8 @@
 //! Numbers taken from a run, and over seeds from runs.
 
+use super::design::title;
 use super::results::{Curves, Group, Metric, Results, RunResult};
 use super::statistics::{mean, slope, unrest};
-use super::title;
 use firmware_core::actor::Aggregation;
 
 /// A number of one run.

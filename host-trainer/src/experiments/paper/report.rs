@@ -2,14 +2,15 @@
 
 use super::claims::{CLAIMS, Claim};
 use super::compare::improvements;
+use super::design::title;
 use super::figures::{COMPARED, FIGURES, Figure};
 use super::judge::{Bar, Finding, Verdict};
+use super::kind::Kind;
 use super::kind::command;
 use super::results::{Group, Metric, Results};
 use super::statistics::bootstrap;
 use super::tables::{beside_baselines, by_uavs, coverage_reached, end_of_training, interval};
-use super::{Kind, title};
-use crate::settings::KEYS;
+use crate::settings::keys;
 use firmware_core::actor::Aggregation;
 use std::fmt::Write;
 
@@ -72,7 +73,7 @@ fn introduction(results: &Results) -> String {
          have the\ninterquartile mean over seeds, which leaves the lowest and the highest quarter out, with a 95 % bootstrap interval over seeds \
          (whole runs are\ndrawn, {} times, from a fixed seed). Policies fly as int8 actors, actions drawn, in worlds 0 to {} of seed {}: worlds \
          that no run was trained\non, the same for all.\n",
-        results.groups.first().map_or("?", |g| g.setting("worlds")),
+        results.groups.first().map_or("?", |g| g.setting("num_envs")),
         super::statistics::RESAMPLES,
         results.worlds.saturating_sub(1),
         results.world_seed,
@@ -192,8 +193,8 @@ fn settings(group: &Group) -> String {
     }
     out += "<details><summary>Every setting</summary>\n\n| setting | value | default |\n|---|---|---|\n";
     for (key, value) in &group.settings {
-        let default = KEYS.iter().find(|k| k.name == key).map_or_else(|| "–".to_owned(), |k| (k.default)());
-        let same = if default == *value { "the same".to_owned() } else { format!("**{default}**") };
+        let default = keys().iter().find(|k| k.name == *key).map_or("–", |k| &k.default);
+        let same = if default == value { "the same".to_owned() } else { format!("**{default}**") };
         let _ = writeln!(out, "| `{key}` | {value} | {same} |");
     }
     out + "\n</details>\n"

@@ -1,6 +1,7 @@
 //! All numbers behind the page: `results.json`.
 
 use super::kind::Kind;
+use crate::settings::current_name;
 use covey_env::EpisodeMetrics;
 use firmware_core::actor::Aggregation;
 use serde::{Deserialize, Serialize};
@@ -295,10 +296,14 @@ impl Results {
         let path = path.to_owned();
         let text =
             std::fs::read_to_string(&path).map_err(|source| ResultsError::Read { path: path.clone(), source })?;
-        let found: Self =
+        let mut found: Self =
             serde_json::from_str(&text).map_err(|source| ResultsError::Malformed { path: path.clone(), source })?;
         if found.format != FORMAT {
             return Err(ResultsError::Format { path, found: found.format });
+        }
+        // Files from before name some settings otherwise.
+        for (name, _) in found.groups.iter_mut().flat_map(|g| &mut g.settings) {
+            *name = current_name(name).to_owned();
         }
         match found.groups.iter().flat_map(|g| &g.runs).find(|r| !r.curves.even()) {
             Some(r) => Err(ResultsError::Lengths { path, run: format!("{}-seed{}", r.graph, r.seed) }),

@@ -1,8 +1,10 @@
 //! Tables in Markdown.
 
+use super::design::title;
+use super::kind::Kind;
+use super::quantity::reached;
 use super::results::{Flight, Group, Metric, Results};
 use super::statistics::{Interval, interquartile, interquartile_mean, student};
-use super::{Kind, quantity::reached, title};
 use std::fmt::Write;
 
 /// Text with a true minus sign.
