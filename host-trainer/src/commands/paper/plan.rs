@@ -2,8 +2,7 @@
 
 use crate::cli::ExperimentPaper;
 use crate::commands::settings::apply;
-use crate::experiments::paper::QUICK;
-use crate::experiments::paper::collect::run_name;
+use crate::experiments::paper::{QUICK, run_name};
 use crate::settings::Settings;
 use miette::{IntoDiagnostic, Result, miette};
 

@@ -3,7 +3,7 @@
 use super::progress::Watch;
 use crate::cli::ExperimentPaper;
 use crate::commands::session::Session;
-use crate::experiments::paper::collect::{Run, check, finished, folder_of, run_name, runs};
+use crate::experiments::paper::{Run, check, finished, folder_of, run_name, runs};
 use crate::run::{CheckpointError, FolderError, RunFolder};
 use crate::settings::Settings;
 use crate::train::{Trainer, Workers};

@@ -2,7 +2,8 @@
 
 use super::design::title;
 use super::kind::Kind;
-use super::results::{Group, Metric, Results, RunResult};
+use super::metric::Metric;
+use super::results::{Group, Results, RunResult};
 use super::tables::{at, difference};
 use firmware_core::actor::Aggregation;
 use std::fmt::Write;

@@ -2,7 +2,8 @@
 
 use super::design::title;
 use super::kind::Kind;
-use super::results::{Flight, Group, Metric, Results, RunResult};
+use super::metric::Metric;
+use super::results::{Flight, Group, Results, RunResult};
 use super::statistics::{mean, student};
 use covey_report::report::{Chart, Series};
 

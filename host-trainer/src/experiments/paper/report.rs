@@ -4,10 +4,11 @@ use super::claims::{CLAIMS, Claim};
 use super::compare::improvements;
 use super::design::title;
 use super::figures::{COMPARED, FIGURES, Figure};
-use super::judge::{Bar, Finding, Verdict};
+use super::judge::{Criterion, Finding, Verdict};
 use super::kind::Kind;
 use super::kind::command;
-use super::results::{Group, Metric, Results};
+use super::metric::Metric;
+use super::results::{Group, Results};
 use super::statistics::bootstrap;
 use super::tables::{beside_baselines, by_uavs, coverage_reached, end_of_training, interval};
 use crate::settings::keys;
@@ -19,7 +20,7 @@ use std::fmt::Write;
 pub fn page(results: &Results) -> String {
     let mut out = introduction(results);
     if let Some(group) = results.group(Kind::Paper) {
-        let found: Vec<(&Claim, Finding)> = CLAIMS.iter().map(|c| (c, c.find(group, results))).collect();
+        let found: Vec<(&Claim, Finding)> = CLAIMS.iter().map(|c| (c, c.test(group, results))).collect();
         out += &summary(&found);
         for f in FIGURES {
             out += &section(f, group, results, &found);
@@ -96,7 +97,7 @@ fn summary(found: &[(&Claim, Finding)]) -> String {
     }
     out += "| figure | the paper says | here |\n|--:|---|---|\n";
     for (claim, finding) in found {
-        let _ = writeln!(out, "| {} | {} | {} |", claim.figure, claim.says, finding.verdict.name());
+        let _ = writeln!(out, "| {} | {} | {} |", claim.figure, claim.statement, finding.verdict.name());
     }
     out
 }
@@ -119,9 +120,9 @@ fn section(f: Figure, group: &Group, results: &Results, found: &[(&Claim, Findin
         let _ = writeln!(
             out,
             "| {} | {} | {measured} | {} | **{}** |",
-            claim.says,
+            claim.statement,
             claim.measure.words(),
-            bar(claim.bar),
+            bar(claim.criterion),
             finding.verdict.name()
         );
     }
@@ -152,12 +153,12 @@ fn overall(group: &Group, metric: Metric) -> String {
     if all.is_empty() { String::new() } else { format!("\nOver all numbers of UAVs: {}.\n", all.join(", ")) }
 }
 
-fn bar(bar: Bar) -> String {
+fn bar(bar: Criterion) -> String {
     let exact = |v: f64| format!("{v}").replace('-', "−");
     match bar {
-        Bar::Above(b) => format!("above {}", exact(b)),
-        Bar::Below(b) => format!("below {}", exact(b)),
-        Bar::Within(low, high) => format!("{} to {}", exact(low), exact(high)),
+        Criterion::Above(b) => format!("above {}", exact(b)),
+        Criterion::Below(b) => format!("below {}", exact(b)),
+        Criterion::Within(low, high) => format!("{} to {}", exact(low), exact(high)),
     }
 }
 

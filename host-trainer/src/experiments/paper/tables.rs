@@ -2,8 +2,9 @@
 
 use super::design::title;
 use super::kind::Kind;
+use super::metric::Metric;
 use super::quantity::reached;
-use super::results::{Flight, Group, Metric, Results};
+use super::results::{Flight, Group, Results};
 use super::statistics::{Interval, interquartile, interquartile_mean, student};
 use std::fmt::Write;
 
