@@ -28,10 +28,10 @@ fn trained(settings: &Settings) -> FloatActor {
 fn int8_logits<O: BatchedObservation>(actor: &QuantisedActor<'_, O>, s: &Situation) -> Vec<Logits> {
     let width = usize::from(actor.dimensions().feature);
     let features: Vec<Feature> = O::among(&s.observations).iter().map(|o| actor.encode(o)).collect();
-    let degree = |i: usize| s.links[i].count + 1;
+    let degree = |i: usize| s.neighbourhoods[i].count + 1;
     (0..features.len())
         .map(|i| {
-            let heard = s.links[i].as_slice().iter().map(|&j| {
+            let heard = s.neighbourhoods[i].as_slice().iter().map(|&j| {
                 let j = usize::from(j);
                 let Feature { values, attention_source, .. } = &features[j];
                 NeighbourFeature { values: &values[..width], degree: degree(j), attention_source: *attention_source }

@@ -17,7 +17,7 @@ pub struct Eval {
     /// Run folder: its actor file, and with --float its float policy beside it.
     #[arg(long, value_name = "DIR", conflicts_with = "policy")]
     pub run: Option<PathBuf>,
-    /// A hand-written policy instead.
+    /// A hand-written policy or an oracle instead of an actor.
     #[arg(long)]
     pub policy: Option<ReferencePolicy>,
     /// What decides: this computer, or the flight program on an emulated flight controller.

@@ -36,7 +36,7 @@ pub enum Command {
         host-trainer eval --actor qemu-m7 --worlds 10"
     )]
     Eval(Eval),
-    /// Measure something at length and write a page with a picture.
+    /// Run a study at length and write a page with figures.
     #[command(subcommand)]
     Experiment(Experiment),
     /// Quantise the newest checkpoint of a run into an actor file.

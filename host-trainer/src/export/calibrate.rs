@@ -28,7 +28,7 @@ pub struct Situation {
     /// Observations of all UAVs.
     pub observations: ObservationBatch,
     /// The neighbours that each UAV kept, one entry a UAV.
-    pub links: Vec<Neighbourhood>,
+    pub neighbourhoods: Vec<Neighbourhood>,
     /// Logits, UAV by UAV, 17 each.
     pub logits: Vec<f32>,
 }
@@ -101,8 +101,12 @@ fn fly(actor: &FloatActor, net: &ActorNet, world: &mut World, seed: u64) -> (Ran
         widen(&mut ranges.head, pass.head());
         let logits = (0..actions.len()).flat_map(|id| pass.logits().row(id)).copied().collect();
         policy.choose(world, &mut actions);
-        let (observations, links) = policy.seen();
-        situations.push(Situation { observations: observations.clone(), links: links.to_vec(), logits });
+        let (observations, neighbourhoods) = policy.seen();
+        situations.push(Situation {
+            observations: observations.clone(),
+            neighbourhoods: neighbourhoods.to_vec(),
+            logits,
+        });
         world.step(&actions);
     }
     (ranges, situations)

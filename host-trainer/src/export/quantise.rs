@@ -162,7 +162,7 @@ fn int8_logits<O: BatchedObservation>(
     i: usize,
 ) -> [i16; 17] {
     let width = usize::from(actor.dimensions().feature);
-    actor.logits(&features[i], s.links[i].count + 1, heard(features, width, &s.links, i))
+    actor.logits(&features[i], s.neighbourhoods[i].count + 1, heard(features, width, &s.neighbourhoods, i))
 }
 
 /// In how many decisions of these situations the int8 actor's greatest logit is the float policy's,
@@ -192,16 +192,25 @@ fn with_self_tests<O: BatchedObservation>(body: &Body<'_>, situations: &[Situati
         for k in 0..SELF_TESTS {
             let s = &situations[(2 * k + 1) * situations.len() / (2 * SELF_TESTS)];
             // The UAV with most neighbours in every other vector.
-            let most = |&i: &usize| s.links[i].count;
-            let i = if k % 2 == 0 { k % s.links.len() } else { (0..s.links.len()).max_by_key(most).unwrap_or(0) };
+            let most = |&i: &usize| s.neighbourhoods[i].count;
+            let i = if k % 2 == 0 {
+                k % s.neighbourhoods.len()
+            } else {
+                (0..s.neighbourhoods.len()).max_by_key(most).unwrap_or(0)
+            };
             let blank = Feature { values: [0; 64], attention_destination: 0, attention_source: 0 };
             let features: Vec<Feature> =
                 O::among(&s.observations).iter().map(|o| actor.map_or(blank, |a| a.encode(o))).collect();
             let logits = actor.map_or([0; 17], |a| int8_logits(a, &features, s, i));
-            let neighbours: Vec<_> = heard(&features, width, &s.links, i).collect();
+            let neighbours: Vec<_> = heard(&features, width, &s.neighbourhoods, i).collect();
             let mut buffer = [0; 2048];
-            let n =
-                write_self_test(&mut buffer, &O::among(&s.observations)[i], s.links[i].count + 1, &neighbours, &logits);
+            let n = write_self_test(
+                &mut buffer,
+                &O::among(&s.observations)[i],
+                s.neighbourhoods[i].count + 1,
+                &neighbours,
+                &logits,
+            );
             bytes.extend(&buffer[..n.unwrap_or(0)]);
         }
         bytes

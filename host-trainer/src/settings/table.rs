@@ -60,7 +60,7 @@ pub struct Settings {
     #[schemars(range(min = 1, max = 1_000_000))]
     pub tie_period: u32,
     /// Greatest share of messages between UAVs that is lost in training: each episode of each
-    /// world draws its own from 0 to this. 0 for a link that loses none.
+    /// world draws its own from 0 to this. 0 for a radio that loses none.
     #[schemars(range(min = 0, max = 1))]
     pub radio_loss: f64,
     /// Greatest delay of those messages, whole steps: each episode of each world draws its own
@@ -132,16 +132,16 @@ pub struct Settings {
     /// the scenario's reward leaves to the other alone. The reported reward stays the scenario's.
     #[schemars(range(min = 0, max = 10))]
     pub overlap_cost: f64,
-    /// Weight of the observation's own advice at the start: how strongly the policy is pulled
-    /// towards the action that flies to the place which the observation names the best
-    /// (cross-entropy). It falls linearly to 0; 0 learns without advice.
+    /// Weight of behaviour cloning at the start: of the cross-entropy to the action that flies to
+    /// the place which the observation names the best. It falls linearly to 0; 0 learns from
+    /// reward alone.
     #[schemars(range(min = 0, max = 100))]
     pub cloning_weight: f64,
-    /// Episodes until the advice ends.
+    /// Episodes until the weight of behaviour cloning has fallen to 0.
     #[schemars(range(min = 1, max = 100_000_000))]
     pub cloning_episodes: u32,
-    /// Share of the averaged weights kept at each update; the exported actor is this running
-    /// average of the trained one. 0 exports the last weights.
+    /// Decay of the exponential moving average (EMA) of the actor's weights: the share of it that
+    /// is kept at each update. The average is what is exported. 0 exports the last weights.
     #[schemars(range(min = 0, max = 0.9999))]
     pub ema_decay: f64,
     /// The exported actor's logits are divided by this: below 1 it draws less at random than

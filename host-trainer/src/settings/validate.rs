@@ -38,7 +38,7 @@ impl Settings {
         } else if self.uavs_max > 0 && self.uavs_min > self.uavs_max {
             format!("`uavs_min` ({}) must not exceed `uavs_max` ({}), or `uavs_max` be 0", self.uavs_min, self.uavs_max)
         } else if self.observation == ObservationForm::Cells && self.cloning_weight > 0.0 {
-            "an observation in cells gives no advice: with `observation = \"cells\"` set `cloning_weight` to 0"
+            "an observation in cells names no place to fly to: with `observation = \"cells\"` set `cloning_weight` to 0"
                 .to_owned()
         } else {
             return Ok(());

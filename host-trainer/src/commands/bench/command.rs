@@ -22,7 +22,7 @@ const TURN: Duration = Duration::from_secs(4);
 /// # Errors
 /// When the settings are not sound, or another program's rate is not to be had.
 pub fn run(args: &Bench) -> Result<()> {
-    // Learning alone: advice ends early in a run. Swarms of one size, so that all agent-steps are alike.
+    // Learning from reward alone: behaviour cloning ends early in a run. Swarms of one size, so that all agent-steps are alike.
     let mut s = Settings { graph: args.graph, cloning_weight: 0.0, uavs_max: 0, ..Settings::default() };
     apply(&mut s, &args.set)?;
     let threads = args.threads.unwrap_or_else(|| cores().min(s.shards as usize)).max(1);

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
-    /// The paper's: its observation, its reward, no advice, and what flies is the last policy as it was trained.
+    /// The paper's: its observation, its reward, no behaviour cloning, and what flies is the last policy as it was trained.
     Paper,
     /// Covey's defaults.
     Shipped,

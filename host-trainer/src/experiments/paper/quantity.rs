@@ -23,25 +23,26 @@ pub enum When {
     Between(f64, f64),
     /// Mean of all training.
     Whole,
-    /// End less start.
+    /// Value at the end less that at the start.
     Change,
     /// The value after so many episodes less start.
     ChangeBy(f64),
     /// End less the value after so many episodes.
     ChangeFrom(f64),
-    /// What was gained by so many episodes less what was gained from then to the end.
+    /// What was gained by so many episodes less what was gained from then to the end: above 0 when
+    /// most of the gain comes early.
     GainByLessAfter(f64),
     /// Share of the change from start to end that was made by so many episodes.
     ShareBy(f64),
-    /// Mean size after so many episodes over that before.
+    /// Mean magnitude after so many episodes over the mean magnitude before.
     SizeAfterOverBefore(f64),
-    /// Deviation of the rounds after so many episodes around their straight line.
+    /// Standard deviation of the rounds after so many episodes around their least-squares line.
     ScatterFrom(f64),
     /// Mean over all numbers of UAVs flown.
     Flights,
     /// Slope over the number of UAVs flown, for ten more.
     PerTenUavs,
-    /// What is above UAVs that fly at random, with the number of UAVs where that is least.
+    /// Lead over UAVs that fly at random, with the number of UAVs for which that lead is least.
     AboveRandom,
 }
 

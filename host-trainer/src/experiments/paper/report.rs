@@ -190,7 +190,7 @@ fn settings(group: &Group) -> String {
     let mut out = format!("\n## Settings: {}\n\n", group.kind.title());
     if group.kind == Kind::Paper {
         out += "PPO as in [training.md](../training.md), which also says in what it differs from the paper's algorithm 1; without \
-                advice, and\nwhat flies is the last policy as it was trained (no running average of weights, no temperature).\n\n";
+                behaviour\ncloning, and what flies is the last policy as it was trained (no running average of weights, no temperature).\n\n";
     }
     out += "<details><summary>Every setting</summary>\n\n| setting | value | default |\n|---|---|---|\n";
     for (key, value) in &group.settings {
