@@ -48,7 +48,7 @@ pub fn run(args: &Eval) -> Result<()> {
         let scenario = Scenario { uavs: usize::from(uavs), distribution: args.poi_distribution, ..worlds };
         let config = EvalConfig { scenario, seed: args.seed, worlds: args.worlds, mode: args.decide };
         match &board {
-            None => rows.extend(one(args, (&bytes, &name), float.as_ref(), &config)?),
+            None => rows.extend(evaluate_one(args, (&bytes, &name), float.as_ref(), &config)?),
             Some(board) => {
                 let AnyActor::Compact(actor) = load(&bytes, &name)? else {
                     return Err(miette!(
@@ -83,7 +83,7 @@ pub fn run(args: &Eval) -> Result<()> {
     })
 }
 
-/// Worlds for so many UAVs with as many of them, and of PoIs, to the area as in `base`.
+/// Worlds for this number of UAVs with as many of them, and of PoIs, to the area as in `base`.
 fn with_density_of(base: &Scenario, uavs: u16) -> Scenario {
     let times = f64::from(uavs) / base.uavs as f64;
     Scenario {
@@ -95,7 +95,12 @@ fn with_density_of(base: &Scenario, uavs: u16) -> Scenario {
 }
 
 /// The rows for one number of UAVs; `file` is the actor file's bytes and its name.
-fn one(args: &Eval, file: (&[u8], &str), float: Option<&FloatActor>, config: &EvalConfig) -> Result<Vec<EvalRow>> {
+fn evaluate_one(
+    args: &Eval,
+    file: (&[u8], &str),
+    float: Option<&FloatActor>,
+    config: &EvalConfig,
+) -> Result<Vec<EvalRow>> {
     if let Some(policy) = args.policy {
         return Ok(vec![EvalPolicy::Reference(policy).evaluate(policy.name(), config).into_diagnostic()?]);
     }

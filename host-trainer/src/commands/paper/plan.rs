@@ -6,7 +6,8 @@ use crate::experiments::paper::{QUICK, run_name};
 use crate::settings::Settings;
 use miette::{IntoDiagnostic, Result, miette};
 
-/// Settings of every run, seed by seed, so that a part of the runs is of use too.
+/// Settings of every run, seed by seed: an experiment that is stopped early has all algorithms of its
+/// first seeds.
 pub fn plan(args: &ExperimentPaper) -> Result<Vec<Settings>> {
     let kind = args.settings;
     let mut base = kind.settings();

@@ -21,10 +21,10 @@ pub fn train(args: &ExperimentPaper, wanted: &[Settings], threads: usize, stop: 
         check(&present, settings).into_diagnostic()?;
     }
     let missing: Vec<&Settings> =
-        wanted.iter().filter(|s| !present.iter().any(|r| is(r, s) && finished(&r.folder))).collect();
+        wanted.iter().filter(|s| !present.iter().any(|r| is_run_of(r, s) && finished(&r.folder))).collect();
     let jobs = args.jobs.unwrap_or(threads).clamp(1, missing.len().max(1));
-    let resumed = missing.iter().filter_map(|s| present.iter().find(|r| is(r, s)));
-    let watch = Watch::new(args.quiet, wanted, missing.len(), resumed.map(already).sum());
+    let resumed = missing.iter().filter_map(|s| present.iter().find(|r| is_run_of(r, s)));
+    let watch = Watch::new(args.quiet, wanted, missing.len(), resumed.map(episodes_done).sum());
     watch.say(&format!(
         "{} of {} runs to train in {}, {jobs} at a time with {} threads each",
         missing.len(),
@@ -39,7 +39,7 @@ pub fn train(args: &ExperimentPaper, wanted: &[Settings], threads: usize, stop: 
             let next = queue.lock().ok().and_then(|mut q| q.next());
             let Some(settings) = next else { return Ok(true) };
             let path = folder.join(run_name(settings));
-            let ended = one(&path, settings, &workers, stop, &watch).wrap_err_with(|| path.display().to_string());
+            let ended = train_run(&path, settings, &workers, stop, &watch).wrap_err_with(|| path.display().to_string());
             if ended.is_err() {
                 // The others save and stop too.
                 stop.store(true, Ordering::SeqCst);
@@ -57,18 +57,18 @@ pub fn train(args: &ExperimentPaper, wanted: &[Settings], threads: usize, stop: 
     ended.into_iter().try_fold(true, |all, one| Ok(all & one?))
 }
 
-fn is(run: &Run, settings: &Settings) -> bool {
+fn is_run_of(run: &Run, settings: &Settings) -> bool {
     run.settings.graph == settings.graph && run.settings.seed == settings.seed
 }
 
 /// Episodes of a run that are in its newest checkpoint.
-fn already(run: &Run) -> u64 {
+fn episodes_done(run: &Run) -> u64 {
     let rounds = run.folder.load().map_or(0, |(_, checkpoint)| u64::from(checkpoint.state.rounds));
     rounds * u64::from(run.settings.num_envs)
 }
 
 /// Trains one run to its end, from its newest checkpoint where it has one. False when stopped.
-fn one(path: &Path, settings: &Settings, workers: &Workers, stop: &AtomicBool, watch: &Watch) -> Result<bool> {
+fn train_run(path: &Path, settings: &Settings, workers: &Workers, stop: &AtomicBool, watch: &Watch) -> Result<bool> {
     if stop.load(Ordering::SeqCst) {
         return Ok(false);
     }
