@@ -60,7 +60,7 @@ pub enum FolderError {
     },
 }
 
-/// The paths of a run.
+/// A run folder: the paths of what a run writes, see `docs/run-folder.md`.
 #[derive(Clone, Debug)]
 pub struct RunFolder(PathBuf);
 

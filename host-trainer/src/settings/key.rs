@@ -85,13 +85,17 @@ impl Bounds {
             return true;
         }
         let of = |bound: &Option<Number>| bound.as_ref().and_then(Number::as_f64);
-        value.as_f64().is_some_and(|v| {
-            of(&self.minimum).is_none_or(|least| v >= least)
-                && of(&self.exclusive_minimum).is_none_or(|bound| v > bound)
-                && of(&self.maximum).is_none_or(|most| v <= most)
-                && of(&self.exclusive_maximum).is_none_or(|bound| v < bound)
-                && self.multiple_of.is_none_or(|step| v % step as f64 == 0.0)
-        })
+        // Seeds are too long for a float to hold.
+        let most = self.maximum.as_ref().and_then(Number::as_u64);
+        let below_most = value.as_u64().zip(most).is_none_or(|(v, most)| v <= most);
+        below_most
+            && value.as_f64().is_some_and(|v| {
+                of(&self.minimum).is_none_or(|least| v >= least)
+                    && of(&self.exclusive_minimum).is_none_or(|bound| v > bound)
+                    && of(&self.maximum).is_none_or(|most| v <= most)
+                    && of(&self.exclusive_maximum).is_none_or(|bound| v < bound)
+                    && self.multiple_of.is_none_or(|step| v % step as f64 == 0.0)
+            })
     }
 }
 

@@ -169,6 +169,8 @@ mod tests {
         assert!(say(s.validate()).contains("set `cloning_weight` to 0"));
         s = Settings { clip: f64::NAN, ..Settings::default() };
         assert!(say(s.validate()).contains("`clip`"));
+        s = Settings { seed: i64::MAX as u64 + 1, ..Settings::default() };
+        assert!(say(s.validate()).contains("`seed` is 9223372036854775808"));
     }
 
     #[test]
