@@ -32,7 +32,7 @@ impl FloatActor {
     #[must_use]
     pub fn new(s: &Settings, mut values: Vec<f32>) -> Self {
         let dimensions = dimensions(s);
-        let aggregation = s.graph.0;
+        let aggregation = s.graph;
         let layout = ParameterLayout::actor(dimensions, aggregation);
         for block in layout.blocks().iter().filter(|p| p.name.starts_with("output")) {
             values[block.start..block.start + block.len()].iter_mut().for_each(|v| *v /= s.temperature as f32);

@@ -1,18 +1,13 @@
-//! Trains Covey's policy, quantises it and measures it.
+#![doc = include_str!("../README.md")]
 
-pub mod any_actor;
 mod backend;
 pub mod cli;
 pub mod commands;
+pub mod eval;
 pub mod experiments;
-pub mod finish;
+pub mod export;
 pub mod float_actor;
-pub mod in_the_loop;
-pub mod measure;
 mod optim;
-pub mod over_link;
-pub mod quantise;
-pub mod report_page;
 mod rollout;
 pub mod run;
 pub mod settings;

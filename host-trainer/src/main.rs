@@ -1,14 +1,17 @@
 //! Command line of the trainer.
 
 use clap::Parser;
-use host_trainer::{cli::Cli, commands};
+use host_trainer::cli::{Cli, with_current_names};
+use host_trainer::commands;
 
 fn main() -> miette::Result<()> {
     tune_process();
     // Lines are not broken: commands and paths in messages can be copied. It fails only
     // where a hook is set already.
     let _ = miette::set_hook(Box::new(|_| Box::new(miette::MietteHandlerOpts::new().wrap_lines(false).build())));
-    commands::run(&Cli::parse().command)
+    let (arguments, renamed) = with_current_names(std::env::args_os());
+    renamed.iter().for_each(|flag| eprintln!("{flag}"));
+    commands::run(&Cli::parse_from(arguments).command)
 }
 
 /// Large tensors come and go thousands of times a second: glibc must not hand their

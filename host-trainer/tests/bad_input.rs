@@ -87,7 +87,7 @@ fn bad_evaluations_are_refused() {
             &["--policy", "clever"],
             &["clever", "random, hover, greedy, centroid, follower, planner, remembering, oracle, parked"],
         ),
-        (&["--policy", "hover", "--scenario", "ring"], &["ring", "clustered, uniform"]),
+        (&["--policy", "hover", "--poi-distribution", "ring"], &["ring", "clustered, uniform"]),
         (&["--policy", "hover", "--decide", "best"], &["best", "sample, argmax"]),
         (&["--policy", "hover", "--uavs", "5,x"], &["--uavs", "x"]),
         (&["--policy", "hover", "--uavs", "0"], &["uavs = 0", "use 1 to"]),

@@ -7,12 +7,12 @@ use covey_burn::{BurnEngine, Kind};
 use covey_env::ObservationForm;
 use covey_net::{ActorCritic, Engine, EngineError, GraphBatch, Outputs};
 use firmware_core::actor::Aggregation;
-use host_trainer::settings::{Graph, Settings};
+use host_trainer::settings::Settings;
 use host_trainer::train::{RoundMetrics, Trainer, Workers};
 
 fn settings(graph: Aggregation) -> Settings {
     Settings {
-        graph: Graph(graph),
+        graph,
         // More than 32: two words of neighbours.
         uavs: 35,
         uavs_max: 0,
@@ -35,7 +35,7 @@ fn settings(graph: Aggregation) -> Settings {
 }
 
 fn engine(trainer: &Trainer) -> Box<dyn Engine> {
-    let aggregation = trainer.settings().graph.0;
+    let aggregation = trainer.settings().graph;
     Box::new(BurnEngine::open(Kind::Flex, trainer.layouts().clone(), aggregation).expect("a CPU"))
 }
 

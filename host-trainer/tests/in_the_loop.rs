@@ -9,20 +9,20 @@ use common::{refuse, trainer};
 use covey_env::Scenario;
 use covey_pil::{Client, Loopback};
 use firmware_core::actor::{Actor, Aggregation, Mode};
-use host_trainer::in_the_loop::{Flown, Part, fly};
-use host_trainer::measure::{Subject, Trial};
+use host_trainer::eval::pil::{Part, PilEpisode, fly_episode};
+use host_trainer::eval::{EvalConfig, EvalPolicy};
 
 /// A dense swarm: more UAVs in range than a board's table holds.
-fn trial(mode: Mode) -> Trial {
+fn config(mode: Mode) -> EvalConfig {
     let scenario = Scenario { uavs: 24, pois: 40, side_u: 60.0, steps: 10, ..Scenario::default() };
-    Trial { scenario, seed: 3, worlds: 2, mode }
+    EvalConfig { scenario, seed: 3, worlds: 2, mode }
 }
 
 /// World 0 flown by a board in this process that holds `file`, beside `actor`.
-fn flown(file: &[u8], actor: &Actor<'_>, trial: &Trial, index: u64) -> Flown {
-    let mut world = covey_env::World::new(&trial.scenario).expect("a world");
+fn flown(file: &[u8], actor: &Actor<'_>, config: &EvalConfig, index: u64) -> PilEpisode {
+    let mut world = covey_env::World::new(&config.scenario).expect("a world");
     let mut board = Client::new(Loopback::new(file), Loopback::OPTIONS);
-    fly(&mut board, actor, trial, &mut world, index).expect("the board answers")
+    fly_episode(&mut board, actor, config, &mut world, index).expect("the board answers")
 }
 
 #[test]
@@ -31,12 +31,12 @@ fn a_board_flies_as_this_computer_does() {
         let file = sample_actor(aggregation, 5);
         let actor = Actor::load(&file).expect("an actor");
         for mode in [Mode::Sample, Mode::Argmax] {
-            let trial = trial(mode);
-            let worlds = [0, 1].map(|index| flown(&file, &actor, &trial, index));
+            let config = config(mode);
+            let worlds = [0, 1].map(|index| flown(&file, &actor, &config, index));
             for world in &worlds {
                 assert_eq!((world.decisions, world.differences, world.first), (240, 0, None), "{aggregation:?}");
             }
-            let here = Subject::Int8(&actor).measure("", &trial).expect("a row");
+            let here = EvalPolicy::Int8(&actor).evaluate("", &config).expect("a row");
             let coverage = (worlds[0].metrics.coverage + worlds[1].metrics.coverage) / 2.0;
             assert!((here.coverage - coverage).abs() < 1e-12, "{aggregation:?}: {} and {coverage}", here.coverage);
         }
@@ -47,7 +47,7 @@ fn a_board_flies_as_this_computer_does() {
 fn another_actor_on_the_board_is_found_out() {
     let (file, other) = (sample_actor(Aggregation::Gcn, 5), sample_actor(Aggregation::Gcn, 6));
     let actor = Actor::load(&file).expect("an actor");
-    let flown = flown(&other, &actor, &trial(Mode::Sample), 1);
+    let flown = flown(&other, &actor, &config(Mode::Sample), 1);
     assert_eq!((flown.decisions, flown.differences), (240, 240));
     let first = flown.first.expect("a difference");
     assert_eq!((first.world, first.step, first.uav, first.part), (1, 0, 0, Part::Feature));
@@ -55,7 +55,7 @@ fn another_actor_on_the_board_is_found_out() {
     // Without features to compare, the logits tell.
     let (file, other) = (sample_actor(Aggregation::None, 5), sample_actor(Aggregation::None, 6));
     let actor = Actor::load(&file).expect("an actor");
-    let flown = self::flown(&other, &actor, &trial(Mode::Sample), 0);
+    let flown = self::flown(&other, &actor, &config(Mode::Sample), 0);
     assert_eq!(flown.first.map(|first| first.part), Some(Part::Logits));
 }
 

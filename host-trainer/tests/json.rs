@@ -35,7 +35,7 @@ fn check(row: &Value, scenario: &str, uavs: u64, decide: &str) {
 
 #[test]
 fn eval_prints_a_row_for_each_number_of_uavs() {
-    let found = rows(&["--policy", "centroid", "--uavs", "3,8", "--scenario", "uniform", "--seed", "5"], None);
+    let found = rows(&["--policy", "centroid", "--uavs", "3,8", "--poi-distribution", "uniform", "--seed", "5"], None);
     assert_eq!(found.len(), 2);
     for (row, uavs) in found.iter().zip([3, 8]) {
         check(row, "uniform", uavs, "rule");

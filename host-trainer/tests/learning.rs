@@ -1,7 +1,7 @@
 //! Learning is real: a small swarm on a small map covers more after a few seconds.
 
 use firmware_core::actor::Aggregation;
-use host_trainer::settings::{Graph, Settings};
+use host_trainer::settings::Settings;
 use host_trainer::train::{RoundMetrics, Trainer, Workers};
 
 /// Rows of a whole run.
@@ -21,7 +21,7 @@ fn mean(rows: &[RoundMetrics], f: fn(&RoundMetrics) -> f64) -> f64 {
 
 fn settings(graph: Aggregation) -> Settings {
     Settings {
-        graph: Graph(graph),
+        graph,
         uavs: 4,
         pois: 40,
         side: 70.0,

@@ -41,7 +41,7 @@ fn one_report_holds_every_figure_and_every_claim() {
     assert!(again.err.contains("4 runs") && !again.err.contains("flying paper"), "flown twice: {}", again.err);
     let [report, numbers] = outcome(&out);
     for claim in CLAIMS {
-        let row = format!("| {} | {} | ", claim.figure, claim.says);
+        let row = format!("| {} | {} | ", claim.figure, claim.statement);
         assert!(report.contains(&row), "no {row} in {report}");
         assert!(report.contains(&claim.measure.words()), "{claim:?}");
     }
@@ -183,5 +183,5 @@ fn what_cannot_be_compared_is_refused() {
     succeed(&mut quick(&out, &one));
     assert!(text(&out.join("report.md")).contains("fly as int8 actors"));
     let uniform = ["--settings", "shipped", "--set", "poi_distribution=uniform"];
-    refuse(&mut quick(&out, &[&one[..], &uniform].concat()), &["scenario = Uniform", "Clustered", "--out"]);
+    refuse(&mut quick(&out, &[&one[..], &uniform].concat()), &["poi_distribution = uniform", "clustered", "--out"]);
 }

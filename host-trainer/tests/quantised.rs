@@ -6,9 +6,9 @@ use firmware_core::actor::{
 };
 use firmware_core::observation::cells::Cells;
 use firmware_core::observation::{BuildObservation, Observation};
+use host_trainer::export::{Situation, calibrate, quantise, situation_agreement};
 use host_trainer::float_actor::FloatActor;
-use host_trainer::quantise::{Situation, agreement, calibrate, quantise};
-use host_trainer::settings::{Graph, Settings};
+use host_trainer::settings::Settings;
 use host_trainer::train::{Trainer, Workers};
 
 /// Logits of the actor are in this many parts of a nat.
@@ -28,10 +28,10 @@ fn trained(settings: &Settings) -> FloatActor {
 fn int8_logits<O: BatchedObservation>(actor: &QuantisedActor<'_, O>, s: &Situation) -> Vec<Logits> {
     let width = usize::from(actor.dimensions().feature);
     let features: Vec<Feature> = O::among(&s.observations).iter().map(|o| actor.encode(o)).collect();
-    let degree = |i: usize| s.links[i].count + 1;
+    let degree = |i: usize| s.neighbourhoods[i].count + 1;
     (0..features.len())
         .map(|i| {
-            let heard = s.links[i].as_slice().iter().map(|&j| {
+            let heard = s.neighbourhoods[i].as_slice().iter().map(|&j| {
                 let j = usize::from(j);
                 let Feature { values, attention_source, .. } = &features[j];
                 NeighbourFeature { values: &values[..width], degree: degree(j), attention_source: *attention_source }
@@ -56,7 +56,7 @@ fn compare<O: BatchedObservation>(actor: &QuantisedActor<'_, O>, situations: &[S
             all += 1;
         }
     }
-    assert_eq!(agreement(actor, situations), (agreeing, all), "the trainer counts otherwise");
+    assert_eq!(situation_agreement(actor, situations), (agreeing, all), "the trainer counts otherwise");
     (agreeing as f64 / all as f64, (apart / spread).sqrt())
 }
 
@@ -69,7 +69,7 @@ fn check(settings: &Settings) -> f64 {
 }
 
 fn check_as<O: BatchedObservation>(settings: &Settings) -> f64 {
-    let name = settings.graph.0.name();
+    let name = settings.graph.name();
     let float = trained(settings);
     let scenario = settings.world();
     let provenance = Provenance { trainer: "tests", seed: 3, ..Provenance::default() };
@@ -90,7 +90,7 @@ fn check_as<O: BatchedObservation>(settings: &Settings) -> f64 {
 
 fn tiny(graph: Aggregation) -> Settings {
     Settings {
-        graph: Graph(graph),
+        graph,
         uavs: 6,
         pois: 30,
         side: 70.0,
@@ -153,7 +153,7 @@ fn an_actor_of_another_form_is_refused() {
 #[test]
 fn the_full_network_keeps_its_choices_in_int8() {
     for graph in Aggregation::ALL {
-        let paper = Settings { graph: Graph(graph), ..Settings::default() };
+        let paper = Settings { graph, ..Settings::default() };
         let agreeing = check(&Settings { episodes: 16, num_envs: 4, minibatch: 1000, calibration_worlds: 4, ..paper });
         assert!(agreeing >= 0.95, "{}: the greatest logits agree in {agreeing:.4} of decisions", graph.name());
     }

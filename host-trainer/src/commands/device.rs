@@ -1,6 +1,6 @@
 //! `--device`: where the networks are computed in training.
 
-use crate::cli::DeviceArg;
+use crate::cli::Device;
 use crate::train::Trainer;
 use miette::{Diagnostic, Result};
 use thiserror::Error;
@@ -23,17 +23,17 @@ pub enum DeviceError {
 ///
 /// # Errors
 /// When there is no such device, or it fails, or it computes something else than the CPU.
-pub fn put(trainer: Trainer, device: DeviceArg) -> Result<Trainer> {
+pub fn put(trainer: Trainer, device: Device) -> Result<Trainer> {
     match device {
-        DeviceArg::Cpu => Ok(trainer),
+        Device::Cpu => Ok(trainer),
         #[cfg(feature = "cuda")]
-        DeviceArg::Cuda => on(trainer, covey_burn::Kind::Cuda),
+        Device::Cuda => on(trainer, covey_burn::Kind::Cuda),
         #[cfg(not(feature = "cuda"))]
-        DeviceArg::Cuda => Err(DeviceError::NotBuilt("cuda").into()),
+        Device::Cuda => Err(DeviceError::NotBuilt("cuda").into()),
         #[cfg(feature = "wgpu")]
-        DeviceArg::Wgpu => on(trainer, covey_burn::Kind::Wgpu),
+        Device::Wgpu => on(trainer, covey_burn::Kind::Wgpu),
         #[cfg(not(feature = "wgpu"))]
-        DeviceArg::Wgpu => Err(DeviceError::NotBuilt("wgpu").into()),
+        Device::Wgpu => Err(DeviceError::NotBuilt("wgpu").into()),
     }
 }
 
@@ -42,6 +42,6 @@ fn on(trainer: Trainer, kind: covey_burn::Kind) -> Result<Trainer> {
     use miette::IntoDiagnostic;
     let layouts = trainer.layouts().clone();
     let engine =
-        covey_burn::BurnEngine::open(kind, layouts, trainer.settings().graph.0).map_err(DeviceError::NotFound)?;
+        covey_burn::BurnEngine::open(kind, layouts, trainer.settings().graph).map_err(DeviceError::NotFound)?;
     trainer.on(Box::new(engine)).into_diagnostic()
 }

@@ -1,17 +1,16 @@
 //! `eval`: policies on held-out worlds.
 
-use super::boards::Emulated;
-use super::inspect::load;
-use super::{read, read_actor, use_threads};
-use crate::any_actor::AnyActor;
-use crate::cli::{DecideArg, Eval};
+use super::actor::{load, read, read_actor};
+use super::pil::Emulated;
+use super::threads::use_threads;
+use crate::cli::Eval;
+use crate::eval::{
+    AnyActor, EvalConfig, EvalPolicy, EvalRow, PilFigures, argmax_agreement, evaluate_with_radio, radio_table, table,
+    with_actor,
+};
 use crate::float_actor::FloatActor;
-use crate::measure::{BoardFigures, EvalRow, Subject, Trial, agreement, table};
-use crate::over_link;
 use crate::run::RunFolder;
-use crate::with_actor;
 use covey_env::Scenario;
-use firmware_core::actor::Mode;
 use miette::{IntoDiagnostic, Result, WrapErr, miette};
 
 /// Measures and prints.
@@ -23,10 +22,6 @@ pub fn run(args: &Eval) -> Result<()> {
     if args.worlds < 2 {
         return Err(miette!("--worlds {}: a standard error needs at least 2 worlds", args.worlds));
     }
-    let mode = match args.decide {
-        DecideArg::Sample => Mode::Sample,
-        DecideArg::Argmax => Mode::Argmax,
-    };
     let (bytes, name) = match (&args.model, &args.run) {
         (_, Some(run)) => {
             let file = RunFolder::open(run).into_diagnostic()?.actor();
@@ -50,18 +45,18 @@ pub fn run(args: &Eval) -> Result<()> {
     let (mut rows, mut difference) = (Vec::new(), None);
     for &uavs in &args.uavs {
         let worlds = if args.same_density { with_density_of(&worlds, uavs) } else { worlds.clone() };
-        let scenario = Scenario { uavs: usize::from(uavs), distribution: args.scenario.into(), ..worlds };
-        let trial = Trial { scenario, seed: args.seed, worlds: args.worlds, mode };
+        let scenario = Scenario { uavs: usize::from(uavs), distribution: args.poi_distribution, ..worlds };
+        let config = EvalConfig { scenario, seed: args.seed, worlds: args.worlds, mode: args.decide };
         match &board {
-            None => rows.extend(one(args, (&bytes, &name), float.as_ref(), &trial)?),
+            None => rows.extend(evaluate_one(args, (&bytes, &name), float.as_ref(), &config)?),
             Some(board) => {
-                let AnyActor::Compact(actor) = load(&bytes).wrap_err_with(|| format!("{name} cannot fly"))? else {
+                let AnyActor::Compact(actor) = load(&bytes, &name)? else {
                     return Err(miette!(
                         "{name} observes cells, and the flight program builds the compact observation alone: leave --actor out"
                     ));
                 };
                 let policy = format!("{} int8", actor.aggregation().name());
-                let (row, first) = board.measure(&policy, &bytes, &actor, &trial)?;
+                let (row, first) = board.evaluate(&policy, &bytes, &actor, &config)?;
                 rows.push(row);
                 difference = difference.or(first);
             }
@@ -71,12 +66,12 @@ pub fn run(args: &Eval) -> Result<()> {
         println!("{}", serde_json::to_string_pretty(&rows).into_diagnostic()?);
     } else {
         print!("{}", table(&rows));
-        let links: Vec<_> = rows.iter().filter_map(|row| row.link.clone()).collect();
-        if !links.is_empty() {
-            print!("\n{}", over_link::table(&links));
+        let radios: Vec<_> = rows.iter().filter_map(|row| row.radio.clone()).collect();
+        if !radios.is_empty() {
+            print!("\n{}", radio_table(&radios));
         }
         for (row, board) in rows.iter().filter_map(|row| Some((row, row.board.as_ref()?))) {
-            let BoardFigures { actor, decisions, differences } = board;
+            let PilFigures { actor, decisions, differences } = board;
             println!("{actor}, {} UAVs: {decisions} decisions, {differences} differences", row.uavs);
         }
     }
@@ -88,7 +83,7 @@ pub fn run(args: &Eval) -> Result<()> {
     })
 }
 
-/// Worlds for so many UAVs with as many of them, and of PoIs, to the area as in `base`.
+/// Worlds for this number of UAVs with as many of them, and of PoIs, to the area as in `base`.
 fn with_density_of(base: &Scenario, uavs: u16) -> Scenario {
     let times = f64::from(uavs) / base.uavs as f64;
     Scenario {
@@ -100,23 +95,28 @@ fn with_density_of(base: &Scenario, uavs: u16) -> Scenario {
 }
 
 /// The rows for one number of UAVs; `file` is the actor file's bytes and its name.
-fn one(args: &Eval, file: (&[u8], &str), float: Option<&FloatActor>, trial: &Trial) -> Result<Vec<EvalRow>> {
+fn evaluate_one(
+    args: &Eval,
+    file: (&[u8], &str),
+    float: Option<&FloatActor>,
+    config: &EvalConfig,
+) -> Result<Vec<EvalRow>> {
     if let Some(policy) = args.policy {
-        return Ok(vec![Subject::Written(policy).measure(policy.name(), trial).into_diagnostic()?]);
+        return Ok(vec![EvalPolicy::Reference(policy).evaluate(policy.name(), config).into_diagnostic()?]);
     }
-    let actor = load(file.0).wrap_err_with(|| format!("{} cannot fly", file.1))?;
+    let actor = load(file.0, file.1)?;
     let name = actor.aggregation().name();
     let policy = format!("{name} int8");
-    if !args.link.is_empty() {
-        let over =
-            |link| with_actor!(actor, actor => over_link::measure(actor, &policy, trial, link)).map(|(row, _)| row);
-        return args.link.iter().map(over).collect::<Result<_, _>>().into_diagnostic();
+    if !args.radio.is_empty() {
+        let over = |radio| with_actor!(actor, actor => evaluate_with_radio(actor, &policy, config, radio));
+        let rows = args.radio.iter().map(|radio| over(radio).map(|(row, _)| row));
+        return rows.collect::<Result<_, _>>().into_diagnostic();
     }
-    let mut rows = vec![Subject::of(&actor).measure(&policy, trial).into_diagnostic()?];
+    let mut rows = vec![EvalPolicy::of(&actor).evaluate(&policy, config).into_diagnostic()?];
     if let Some(float) = float {
-        rows.push(Subject::Float(float).measure(&format!("{name} float"), trial).into_diagnostic()?);
-        let (agreeing, all) = with_actor!(actor, actor => agreement(actor, float, trial)).into_diagnostic()?;
-        eprintln!("argmax agreement {:.2} % over {all} decisions", 100.0 * agreeing as f64 / all as f64);
+        rows.push(EvalPolicy::Float(float).evaluate(&format!("{name} float"), config).into_diagnostic()?);
+        let agreement = with_actor!(actor, actor => argmax_agreement(actor, float, config)).into_diagnostic()?;
+        eprintln!("argmax agreement {:.2} % over {} decisions", 100.0 * agreement.share(), agreement.decisions);
     }
     Ok(rows)
 }

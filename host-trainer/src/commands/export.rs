@@ -1,7 +1,7 @@
 //! `export`: from a run's newest checkpoint to an actor file.
 
 use crate::cli::Export;
-use crate::finish::actor_file;
+use crate::export::export_actor;
 use crate::run::RunFolder;
 use covey_report::atomic;
 use miette::{IntoDiagnostic, Result};
@@ -14,9 +14,10 @@ pub fn run(args: &Export) -> Result<()> {
     let folder = RunFolder::open(&args.run).into_diagnostic()?;
     let (mut settings, checkpoint) = folder.load().into_diagnostic()?;
     if let Some(t) = args.temperature {
-        settings.set(&format!("temperature={t:?}")).into_diagnostic()?;
+        settings.temperature = t;
+        settings.validate().into_diagnostic()?;
     }
-    let done = actor_file(&settings, &checkpoint.state).into_diagnostic()?;
+    let done = export_actor(&settings, &checkpoint.state).into_diagnostic()?;
     atomic::write(&args.out, &done.file).into_diagnostic()?;
     println!(
         "wrote {} ({} bytes): coverage {:.4} as int8, {:.4} as float, argmax agreement {:.2} %",
@@ -24,7 +25,7 @@ pub fn run(args: &Export) -> Result<()> {
         done.file.len(),
         done.int8.coverage,
         done.float.coverage,
-        100.0 * done.agreement
+        100.0 * done.agreement.share()
     );
     println!("next: host-trainer inspect {}", args.out.display());
     Ok(())

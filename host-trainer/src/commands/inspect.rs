@@ -1,11 +1,10 @@
 //! `inspect`: an actor file, checked and shown.
 
-use super::read_actor;
-use crate::any_actor::AnyActor;
+use super::actor::{load, read_actor};
 use crate::cli::Inspect;
-use crate::with_actor;
+use crate::eval::with_actor;
 use firmware_core::actor::{ActorInput, FINGERPRINT_CASES, QuantisedActor, fingerprint};
-use miette::{Result, WrapErr, miette};
+use miette::Result;
 
 /// Loads the file, runs its self-test and prints what is in it.
 ///
@@ -13,7 +12,7 @@ use miette::{Result, WrapErr, miette};
 /// When the file is not a sound actor.
 pub fn run(args: &Inspect) -> Result<()> {
     let (bytes, name) = read_actor(Some(&args.file))?;
-    let actor = load(&bytes).wrap_err_with(|| format!("{name} cannot fly"))?;
+    let actor = load(&bytes, &name)?;
     println!("{name}: a sound actor, {} bytes", bytes.len());
     with_actor!(actor, actor => show(actor));
     Ok(())
@@ -41,14 +40,4 @@ fn show<O: ActorInput>(actor: &QuantisedActor<'_, O>) {
             p.worlds
         );
     }
-}
-
-/// A sound actor that passes its self-test.
-///
-/// # Errors
-/// What is wrong with it.
-pub fn load(bytes: &[u8]) -> Result<AnyActor<'_>> {
-    let actor = AnyActor::load(bytes).map_err(|e| miette!("{e}"))?;
-    actor.self_test().map_err(|e| miette!("{e}"))?;
-    Ok(actor)
 }

@@ -1,8 +1,7 @@
 //! `report`: pages from run folders.
 
 use crate::cli::Report;
-use crate::report_page;
-use crate::run::RunFolder;
+use crate::run::{RunFolder, report};
 use miette::{IntoDiagnostic, Result};
 use std::path::PathBuf;
 
@@ -15,14 +14,14 @@ pub fn run(args: &Report) -> Result<()> {
     let path = match &folders[..] {
         [one] => {
             if let Some(path) = &args.out {
-                report_page::page(one)?.write(path).into_diagnostic()?;
+                report::page(one)?.write(path).into_diagnostic()?;
                 path.clone()
             } else {
-                report_page::write(one)?
+                report::write(one)?
             }
         }
         many => {
-            let page = report_page::compare(many)?;
+            let page = report::compare(many)?;
             let path = args.out.clone().unwrap_or_else(|| PathBuf::from("compare.html"));
             page.write(&path).into_diagnostic()?;
             path

@@ -1,4 +1,4 @@
-//! Measurements that make a page for the documents.
+//! Measurements at length, each of which writes a page with figures for the documents.
 
-pub mod link;
 pub mod paper;
+pub mod radio;

@@ -45,7 +45,8 @@ impl VecEnv {
     /// As for [`Self::new`].
     pub fn resize(&mut self, s: &Settings, uavs: usize) -> Result<(), RadioWorldError> {
         let num_envs = self.policy_seeds.len();
-        let scenario = |world| Scenario { uavs, distribution: s.law_in(self.index, world, num_envs), ..s.world() };
+        let scenario =
+            |world| Scenario { uavs, distribution: s.distribution_in(self.index, world, num_envs), ..s.world() };
         self.worlds = (0..num_envs).map(|world| World::new(&scenario(world))).collect::<Result<_, _>>()?;
         self.observers = vec![TrainingObserver::new(s, uavs)?; num_envs];
         self.uavs = uavs;

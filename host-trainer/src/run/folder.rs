@@ -1,7 +1,7 @@
 //! A run folder: settings, metrics, events, checkpoints, actor file, report.
 
 use super::checkpoint::{Checkpoint, CheckpointError};
-use crate::settings::{Settings, SettingsError};
+use crate::settings::{Settings, SettingsError, word_of};
 use covey_report::atomic;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -60,7 +60,7 @@ pub enum FolderError {
     },
 }
 
-/// The paths of a run.
+/// A run folder: the paths of what a run writes, see `docs/run-folder.md`.
 #[derive(Clone, Debug)]
 pub struct RunFolder(PathBuf);
 
@@ -97,7 +97,7 @@ impl RunFolder {
     pub fn settings(&self) -> Result<Settings, FolderError> {
         let mut settings = Settings::default();
         settings.merge_file(&self.config())?;
-        settings.check()?;
+        settings.validate()?;
         Ok(settings)
     }
 
@@ -182,7 +182,7 @@ impl RunFolder {
 }
 
 fn free_name(s: &Settings) -> PathBuf {
-    let name = format!("{}-seed{}", s.graph.0.name(), s.seed);
+    let name = format!("{}-seed{}", word_of(s.graph), s.seed);
     let numbered = (2..).map(|k| format!("{name}-{k}"));
     std::iter::once(name.clone())
         .chain(numbered)

@@ -1,7 +1,8 @@
-//! What a run leaves on disk.
+//! What a run leaves on disk: its folder, checkpoints and report.
 
 mod checkpoint;
 mod folder;
+pub(crate) mod report;
 
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use folder::{FolderError, RunFolder};

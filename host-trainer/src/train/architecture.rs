@@ -20,5 +20,5 @@ pub fn dimensions(s: &Settings) -> Dimensions {
 /// Parameter layouts of networks that take the first `inputs` numbers of an observation.
 pub fn layouts(s: &Settings, inputs: u16) -> ActorCritic<ParameterLayout> {
     let d = Dimensions { observation: inputs, ..dimensions(s) };
-    ActorCritic { actor: ParameterLayout::actor(d, s.graph.0), critic: ParameterLayout::critic(d) }
+    ActorCritic { actor: ParameterLayout::actor(d, s.graph), critic: ParameterLayout::critic(d) }
 }

@@ -79,7 +79,7 @@ impl Trainer {
         };
         Ok(Self {
             rounds: state.rounds,
-            learner: Learner::new(&layouts, settings.graph.0, parameters, optimisers),
+            learner: Learner::new(&layouts, settings.graph, parameters, optimisers),
             average: state.average,
             value_norm: state.norm,
             rollout_workers,

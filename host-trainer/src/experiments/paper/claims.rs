@@ -1,9 +1,10 @@
 //! What section 4 of the paper says of its figures, in our words, each with the measurement
 //! that decides on it.
 
-use super::judge::{Bar, Finding, judge};
+use super::judge::{Criterion, Finding, judge};
+use super::metric::Metric;
 use super::quantity::{Measure, Quantity, When};
-use super::results::{Group, Metric, Results};
+use super::results::{Group, Results};
 use super::statistics::student;
 use firmware_core::actor::Aggregation::{self, Gat, Gcn, None as Plain};
 
@@ -13,25 +14,25 @@ pub struct Claim {
     /// The figure it is about.
     pub figure: u8,
     /// The statement in our words.
-    pub says: &'static str,
+    pub statement: &'static str,
     /// What is measured.
     pub measure: Measure,
-    /// What that must be.
-    pub bar: Bar,
+    /// What that must be for the statement to hold.
+    pub criterion: Criterion,
 }
 
 /// Two curves are "about equal" when they differ by less than this share.
-const ALIKE: Bar = Bar::Within(-0.05, 0.05);
+const ALIKE: Criterion = Criterion::Within(-0.05, 0.05);
 /// A change is "made" when this share of it is.
-const MADE: Bar = Bar::Above(0.9);
+const MADE: Criterion = Criterion::Above(0.9);
 /// From this episode on, as far as training went.
 const ON: f64 = f64::INFINITY;
 
-const POSITIVE: Bar = Bar::Above(0.0);
-const NEGATIVE: Bar = Bar::Below(0.0);
+const POSITIVE: Criterion = Criterion::Above(0.0);
+const NEGATIVE: Criterion = Criterion::Below(0.0);
 
-const fn claim(figure: u8, says: &'static str, measure: Measure, bar: Bar) -> Claim {
-    Claim { figure, says, measure, bar }
+const fn claim(figure: u8, statement: &'static str, measure: Measure, criterion: Criterion) -> Claim {
+    Claim { figure, statement, measure, criterion }
 }
 
 const fn all(metric: Metric, when: When) -> Measure {
@@ -48,8 +49,8 @@ const fn over(metric: Metric, when: When, one: Aggregation, other: Aggregation) 
 
 use Metric::{Coverage, Energy, Group as Grouped, Individual, PolicyLoss, Reward};
 use When::{
-    AboveRandom, At, Between, Calm, Change, ChangeBy, ChangeFrom, End, Flights, PerTenUavs, Share, Sooner, Start,
-    Unrest, Whole,
+    AboveRandom, At, Between, Change, ChangeBy, ChangeFrom, End, Flights, GainByLessAfter, PerTenUavs, ScatterFrom,
+    ShareBy, SizeAfterOverBefore, Start, Whole,
 };
 
 /// Every statement, by figure.
@@ -71,17 +72,17 @@ pub const CLAIMS: &[Claim] = &[
         less(Reward, Between(2000.0, ON), Gat, Plain),
         POSITIVE,
     ),
-    claim(6, "coverage is 0.2 at the start", all(Coverage, Start), Bar::Within(0.15, 0.25)),
-    claim(6, "coverage reaches 0.3 after 100 episodes", all(Coverage, At(100.0)), Bar::Above(0.3)),
-    claim(6, "coverage reaches 0.4 after 200 episodes", all(Coverage, At(200.0)), Bar::Above(0.4)),
+    claim(6, "coverage is 0.2 at the start", all(Coverage, Start), Criterion::Within(0.15, 0.25)),
+    claim(6, "coverage reaches 0.3 after 100 episodes", all(Coverage, At(100.0)), Criterion::Above(0.3)),
+    claim(6, "coverage reaches 0.4 after 200 episodes", all(Coverage, At(200.0)), Criterion::Above(0.4)),
     claim(6, "all three improve in the first 200 episodes", all(Coverage, ChangeBy(200.0)), POSITIVE),
     claim(
         6,
         "after 500 episodes all three stand at a similar level",
         Measure::Spread(Quantity(Coverage, At(500.0))),
-        Bar::Below(0.05),
+        Criterion::Below(0.05),
     ),
-    claim(6, "after 500 episodes coverage grows only slowly", all(Coverage, Sooner(500.0)), POSITIVE),
+    claim(6, "after 500 episodes coverage grows only slowly", all(Coverage, GainByLessAfter(500.0)), POSITIVE),
     claim(6, "GCN leads over plain PPO throughout", less(Coverage, Whole, Gcn, Plain), POSITIVE),
     claim(6, "but by little", over(Coverage, Whole, Gcn, Plain), ALIKE),
     claim(
@@ -102,32 +103,32 @@ pub const CLAIMS: &[Claim] = &[
     claim(
         6,
         "after 2,000 episodes plain PPO is less stable than GCN",
-        less(Coverage, Unrest(2000.0), Plain, Gcn),
+        less(Coverage, ScatterFrom(2000.0), Plain, Gcn),
         POSITIVE,
     ),
     claim(
         6,
         "after 2,000 episodes plain PPO is less stable than GAT",
-        less(Coverage, Unrest(2000.0), Plain, Gat),
+        less(Coverage, ScatterFrom(2000.0), Plain, Gat),
         POSITIVE,
     ),
     claim(7, "energy falls during training", all(Energy, Change), NEGATIVE),
     claim(7, "energy goes on falling after 500 episodes", all(Energy, ChangeFrom(500.0)), NEGATIVE),
-    claim(7, "most of that fall comes after 500 episodes", all(Energy, Sooner(500.0)), POSITIVE),
+    claim(7, "most of that fall comes after 500 episodes", all(Energy, GainByLessAfter(500.0)), POSITIVE),
     claim(7, "GCN ends with less energy than plain PPO", less(Energy, End, Gcn, Plain), NEGATIVE),
     claim(7, "GAT ends with less energy than plain PPO", less(Energy, End, Gat, Plain), NEGATIVE),
     claim(
         8,
         "the policy loss is closer to 0 after 2,000 episodes than before",
-        all(PolicyLoss, Calm(2000.0)),
-        Bar::Below(1.0),
+        all(PolicyLoss, SizeAfterOverBefore(2000.0)),
+        Criterion::Below(1.0),
     ),
-    claim(9, "a UAV alone covers hardly any PoI at the start", all(Individual, Start), Bar::Below(1.0)),
-    claim(9, "a UAV alone covers 2 PoIs in the end", all(Individual, End), Bar::Within(1.5, 2.5)),
-    claim(9, "this converges by 1,000 episodes", all(Individual, Share(1000.0)), MADE),
-    claim(10, "a group covers 10 PoIs after 1,000 episodes", all(Grouped, At(1000.0)), Bar::Within(9.5, 10.5)),
-    claim(10, "that is its peak: at least nine tenths of its change is made", all(Grouped, Share(1000.0)), MADE),
-    claim(10, "a group covers 7 PoIs or more in the end", all(Grouped, End), Bar::Above(7.0)),
+    claim(9, "a UAV alone covers hardly any PoI at the start", all(Individual, Start), Criterion::Below(1.0)),
+    claim(9, "a UAV alone covers 2 PoIs in the end", all(Individual, End), Criterion::Within(1.5, 2.5)),
+    claim(9, "this converges by 1,000 episodes", all(Individual, ShareBy(1000.0)), MADE),
+    claim(10, "a group covers 10 PoIs after 1,000 episodes", all(Grouped, At(1000.0)), Criterion::Within(9.5, 10.5)),
+    claim(10, "that is its peak: at least nine tenths of its change is made", all(Grouped, ShareBy(1000.0)), MADE),
+    claim(10, "a group covers 7 PoIs or more in the end", all(Grouped, End), Criterion::Above(7.0)),
     claim(11, "trained policies fly with other numbers of UAVs too", all(Coverage, AboveRandom), POSITIVE),
     claim(11, "GCN covers more than plain PPO", less(Coverage, Flights, Gcn, Plain), POSITIVE),
     claim(11, "GAT covers more than plain PPO", less(Coverage, Flights, Gat, Plain), POSITIVE),
@@ -144,10 +145,10 @@ pub const CLAIMS: &[Claim] = &[
 impl Claim {
     /// What the runs say of it.
     #[must_use]
-    pub fn find(&self, group: &Group, results: &Results) -> Finding {
+    pub fn test(&self, group: &Group, results: &Results) -> Finding {
         let values = self.measure.values(group, results);
         let interval = student(&values);
-        Finding { interval, seeds: values.len(), verdict: judge(interval, self.bar) }
+        Finding { interval, seeds: values.len(), verdict: judge(interval, self.criterion) }
     }
 
     /// Decimals for its numbers.
@@ -155,7 +156,7 @@ impl Claim {
     pub const fn decimals(&self) -> usize {
         match self.measure {
             Measure::Relative(..) => 3,
-            Measure::Mean(Quantity(_, Share(_) | Calm(_))) => 2,
+            Measure::Mean(Quantity(_, ShareBy(_) | SizeAfterOverBefore(_))) => 2,
             Measure::Mean(q) | Measure::Spread(q) | Measure::Difference(q, ..) => match q.0 {
                 Reward => 1,
                 Coverage | Energy | PolicyLoss => 4,
@@ -193,17 +194,18 @@ mod tests {
         let results = Results::new(vec![20], 1, 1, Vec::new(), Vec::new());
         let verdict = |one, other, bar| {
             let measure = less(Coverage, Flights, one, other);
-            claim(11, "", measure, bar).find(&group, &results).verdict
+            claim(11, "", measure, bar).test(&group, &results).verdict
         };
         assert_eq!(verdict(Gcn, Plain, POSITIVE), Verdict::Holds);
         assert_eq!(verdict(Plain, Gcn, POSITIVE), Verdict::DoesNotHold);
         assert_eq!(verdict(Gat, Plain, POSITIVE), Verdict::NotSeparable);
-        let found = CLAIMS.iter().find(|c| c.says == "GCN covers more than plain PPO").unwrap().find(&group, &results);
+        let found =
+            CLAIMS.iter().find(|c| c.statement == "GCN covers more than plain PPO").unwrap().test(&group, &results);
         assert_eq!((found.seeds, found.verdict), (3, Verdict::Holds));
         assert!((found.interval.unwrap().value - 0.31 / 3.0).abs() < 1e-12);
         // Without flights with several numbers of UAVs there is no slope.
-        let lead = CLAIMS.iter().find(|c| c.says.contains("lead grows")).unwrap();
-        assert_eq!(lead.find(&group, &results).verdict, Verdict::NotMeasured);
+        let lead = CLAIMS.iter().find(|c| c.statement.contains("lead grows")).unwrap();
+        assert_eq!(lead.test(&group, &results).verdict, Verdict::NotMeasured);
     }
 
     #[test]

@@ -1,103 +1,23 @@
 //! From run folders to results.
 
+use super::design::{SIZES, WORLDS};
+use super::error::CollectError;
 use super::kind::{Kind, common};
 use super::results::{Baseline, Curves, Flight, Group, Results, RunResult, rounded};
-use super::{SIZES, WORLDS};
-use crate::any_actor::AnyActor;
-use crate::cli::PolicyArg;
-use crate::measure::{Subject, Trial};
-use crate::run::{FolderError, RunFolder};
-use crate::settings::Settings;
+use super::runs::{Run, check, finished, run_name, runs};
+use crate::eval::{AnyActor, EvalConfig, EvalPolicy, ReferencePolicy, with_actor};
+use crate::run::RunFolder;
+use crate::settings::{Settings, word_of};
 use crate::train::RoundMetrics;
-use crate::with_actor;
 use covey_env::{EpisodeMetrics, Scenario, ScenarioError};
-use covey_report::atomic::{self, WriteError};
-use covey_report::metrics::{self, MetricsError};
+use covey_report::{atomic, metrics};
 use firmware_core::actor::Mode;
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
-use thiserror::Error;
+use std::path::Path;
 
 /// Hand-written policies to compare with.
-pub const BASELINES: [PolicyArg; 4] =
-    [PolicyArg::Random, PolicyArg::Centroid, PolicyArg::Planner, PolicyArg::Remembering];
-
-/// Why runs could not be collected.
-#[derive(Debug, Error)]
-pub enum CollectError {
-    /// A run folder is not sound.
-    #[error(transparent)]
-    Folder(#[from] FolderError),
-    /// Its metrics are not.
-    #[error(transparent)]
-    Metrics(#[from] MetricsError),
-    /// A folder cannot be listed.
-    #[error("cannot list {path}")]
-    List {
-        /// The folder.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// Runs of a group differ in more than algorithm and seed.
-    #[error(
-        "{path} has {key} = {found}, but {wanted} is wanted here as in all runs of its group; \
-         give the same settings again, or choose another --out"
-    )]
-    Mismatch {
-        /// The run folder.
-        path: PathBuf,
-        /// The first setting that differs.
-        key: String,
-        /// In the run.
-        found: String,
-        /// Wanted.
-        wanted: String,
-    },
-    /// The two groups are of other worlds.
-    #[error(
-        "{path} has {key} = {found}, but the runs beside it have {wanted}: they cannot be compared; choose another --out"
-    )]
-    OtherWorlds {
-        /// A run folder of the second group.
-        path: PathBuf,
-        /// The setting.
-        key: &'static str,
-        /// In the run.
-        found: String,
-        /// In the other group.
-        wanted: String,
-    },
-    /// The actor file is not sound.
-    #[error(
-        "{path} holds no sound actor ({why}); delete it and evaluation.json beside it, and the same command makes both anew"
-    )]
-    Actor {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        why: String,
-    },
-    /// Training went wrong.
-    #[error(
-        "row {row} of {path} holds a value that is no number: training went wrong; delete the run folder and use a lower learning_rate"
-    )]
-    NotFinite {
-        /// The metrics file.
-        path: PathBuf,
-        /// The row, from 1.
-        row: usize,
-    },
-    /// The worlds cannot be built.
-    #[error(transparent)]
-    Scenario(#[from] ScenarioError),
-    /// A file cannot be written.
-    #[error(transparent)]
-    Write(#[from] WriteError),
-    /// Measurements cannot be written.
-    #[error("measurements cannot be written as JSON")]
-    Encode(#[from] serde_json::Error),
-}
+pub const BASELINES: [ReferencePolicy; 4] =
+    [ReferencePolicy::Random, ReferencePolicy::Centroid, ReferencePolicy::Planner, ReferencePolicy::Remembering];
 
 /// Held-out worlds for the flights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -108,73 +28,12 @@ pub struct Worlds {
     pub seed: u64,
 }
 
-/// A run folder of the experiment with its settings.
-#[derive(Clone, Debug)]
-pub struct Run {
-    /// The folder.
-    pub folder: RunFolder,
-    /// Its settings.
-    pub settings: Settings,
-}
-
-/// Where the runs of a kind are.
-#[must_use]
-pub fn folder_of(out: &Path, kind: Kind) -> PathBuf {
-    out.join("runs").join(kind.name())
-}
-
-/// Folder name of a run.
-#[must_use]
-pub fn run_name(s: &Settings) -> String {
-    format!("{}-seed{}", s.graph.0.name(), s.seed)
-}
-
-/// Run folders of a kind, by algorithm and seed; those without settings (a run that was cut
-/// off as it was made) are left out.
-///
-/// # Errors
-/// When a folder cannot be read.
-pub fn runs(out: &Path, kind: Kind) -> Result<Vec<Run>, CollectError> {
-    let path = folder_of(out, kind);
-    if !path.exists() {
-        return Ok(Vec::new());
-    }
-    let list = |source| CollectError::List { path: path.clone(), source };
-    let mut found = Vec::new();
-    for entry in std::fs::read_dir(&path).map_err(list)? {
-        let Ok(folder) = RunFolder::open(&entry.map_err(list)?.path()) else { continue };
-        found.push(Run { settings: folder.settings()?, folder });
-    }
-    found.sort_by_key(|r| (r.settings.graph.0 as u8, r.settings.seed));
-    Ok(found)
-}
-
-/// Whether a run is done: trained and measured, which comes after quantising.
-#[must_use]
-pub fn finished(folder: &RunFolder) -> bool {
-    folder.evaluation().is_file()
-}
-
-/// Refuses settings that differ in more than algorithm and seed from the runs of the group.
-///
-/// # Errors
-/// [`CollectError::Mismatch`] names the first such run and setting.
-pub fn check(runs: &[Run], wanted: &Settings) -> Result<(), CollectError> {
-    for run in runs {
-        let aligned = Settings { graph: wanted.graph, seed: wanted.seed, ..run.settings.clone() };
-        if let Some((key, found, wanted)) = aligned.first_difference(wanted) {
-            return Err(CollectError::Mismatch { path: run.folder.path().to_owned(), key, found, wanted });
-        }
-    }
-    Ok(())
-}
-
 /// A run's flights with other numbers of UAVs, in its folder.
 const FLIGHTS: &str = "flights.json";
 
 /// What that file holds.
 #[derive(Serialize, Deserialize)]
-struct ActorInput {
+struct FlightsFile {
     /// Content hash of the actor that flew.
     actor: String,
     worlds: Worlds,
@@ -182,8 +41,8 @@ struct ActorInput {
 }
 
 /// All finished runs below `out`, their actors flown with every number of UAVs in the first
-/// `count` held-out worlds (none: as many as were flown before). What was flown before in the same worlds is not flown again. `watch`
-/// hears of each policy that is flown.
+/// `count` held-out worlds (none: as many as were flown before). What was flown before in the same
+/// worlds is not flown again. `watch` hears of each policy that is flown.
 ///
 /// # Errors
 /// See [`CollectError`].
@@ -200,7 +59,7 @@ pub fn collect(out: &Path, count: Option<u32>, mut watch: impl FnMut(&str)) -> R
         let results = runs.iter().map(|run| {
             let name = format!("{} {}", kind.name(), run_name(&run.settings));
             Ok(RunResult {
-                graph: run.settings.graph.0.name().to_owned(),
+                graph: word_of(run.settings.graph).to_owned(),
                 seed: run.settings.seed,
                 curves: curves(&run.folder)?,
                 flights: flights(run, worlds, || watch(&name))?,
@@ -229,7 +88,7 @@ fn same_worlds(run: &Run, other: &Settings) -> Result<(), CollectError> {
     let (s, o) = (run.settings.world(), other.world());
     let pairs = [
         ("pois", s.pois.to_string(), o.pois.to_string()),
-        ("scenario", format!("{:?}", s.distribution), format!("{:?}", o.distribution)),
+        ("poi_distribution", word_of(s.distribution).to_owned(), word_of(o.distribution).to_owned()),
         ("side", s.side_u.to_string(), o.side_u.to_string()),
         ("steps", s.steps.to_string(), o.steps.to_string()),
         ("eval_seed", run.settings.eval_seed.to_string(), other.eval_seed.to_string()),
@@ -270,7 +129,7 @@ fn flights(run: &Run, worlds: Worlds, watch: impl FnOnce()) -> Result<Vec<Flight
     let hash = format!("{:016x}", with_actor!(actor, actor => actor.content_hash()));
     cached(&flown, &hash, worlds, || {
         watch();
-        fly(&Subject::of(&actor), &run.settings, worlds)
+        fly(&EvalPolicy::of(&actor), &run.settings, worlds)
     })
 }
 
@@ -283,11 +142,11 @@ fn baselines(
 ) -> Result<Vec<Baseline>, CollectError> {
     let w = s.world();
     let of = format!("{} {:?} {} {}", w.pois, w.distribution, w.side_u, w.steps);
-    let fly = |policy: PolicyArg| {
+    let fly = |policy: ReferencePolicy| {
         let file = out.join("runs").join(format!("{}.json", policy.name()));
         let flights = cached(&file, &of, worlds, || {
             watch(policy.name());
-            fly(&Subject::Written(policy), s, worlds)
+            fly(&EvalPolicy::Reference(policy), s, worlds)
         })?;
         Ok(Baseline { policy: policy.name().to_owned(), flights })
     };
@@ -306,21 +165,21 @@ fn cached(
     if let Some(flown) = read(file).filter(|f| f.actor == of && f.worlds == worlds && sizes(&f.flights)) {
         return Ok(flown.flights);
     }
-    let flown = ActorInput { actor: of.to_owned(), worlds, flights: fly()? };
+    let flown = FlightsFile { actor: of.to_owned(), worlds, flights: fly()? };
     atomic::write(file, serde_json::to_string(&flown)?.as_bytes())?;
     Ok(flown.flights)
 }
 
 /// Flights that were written before; none when there are none, or none that can be read.
-fn read(file: &Path) -> Option<ActorInput> {
+fn read(file: &Path) -> Option<FlightsFile> {
     std::fs::read(file).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok())
 }
 
-fn fly(subject: &Subject<'_>, s: &Settings, worlds: Worlds) -> Result<Vec<Flight>, ScenarioError> {
+fn fly(policy: &EvalPolicy<'_>, s: &Settings, worlds: Worlds) -> Result<Vec<Flight>, ScenarioError> {
     let one = |uavs: u16| {
         let scenario = Scenario { uavs: usize::from(uavs), ..s.world() };
-        let trial = Trial { scenario, seed: worlds.seed, worlds: worlds.count, mode: Mode::Sample };
-        let r = subject.measure("", &trial)?;
+        let config = EvalConfig { scenario, seed: worlds.seed, worlds: worlds.count, mode: Mode::Sample };
+        let r = policy.evaluate("", &config)?;
         let values = [r.coverage, r.coverage_last, r.energy, r.individual, r.group, r.reward, r.fairness];
         Ok(Flight { uavs, mean: EpisodeMetrics::from_values(values.map(rounded)) })
     };

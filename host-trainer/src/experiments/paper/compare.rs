@@ -1,8 +1,10 @@
 //! One group beside the other: what Covey's defaults add to the paper's setting.
 
-use super::results::{Group, Metric, Results, RunResult};
+use super::design::title;
+use super::kind::Kind;
+use super::metric::Metric;
+use super::results::{Group, Results, RunResult};
 use super::tables::{at, difference};
-use super::{Kind, title};
 use firmware_core::actor::Aggregation;
 use std::fmt::Write;
 

@@ -1,8 +1,10 @@
 //! The paper's figures 5 to 14, and two that compare all policies.
 
-use super::results::{Flight, Group, Metric, Results, RunResult};
+use super::design::title;
+use super::kind::Kind;
+use super::metric::Metric;
+use super::results::{Flight, Group, Results, RunResult};
 use super::statistics::{mean, student};
-use super::{Kind, title};
 use covey_report::report::{Chart, Series};
 
 /// A figure's number in the paper, its file name without ending, and what it shows.

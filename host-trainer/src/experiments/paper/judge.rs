@@ -4,7 +4,7 @@ use super::statistics::Interval;
 
 /// What a number must be for a claim to hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Bar {
+pub enum Criterion {
     /// Greater than this.
     Above(f64),
     /// Less than this.
@@ -39,12 +39,12 @@ pub struct Finding {
 
 /// Where an interval lies beside a bar.
 #[must_use]
-pub fn judge(interval: Option<Interval>, bar: Bar) -> Verdict {
+pub fn judge(interval: Option<Interval>, bar: Criterion) -> Verdict {
     let Some(Interval { low, high, .. }) = interval else { return Verdict::NotMeasured };
     let (holds, fails) = match bar {
-        Bar::Above(bar) => (low > bar, high < bar),
-        Bar::Below(bar) => (high < bar, low > bar),
-        Bar::Within(least, most) => (least <= low && high <= most, high < least || most < low),
+        Criterion::Above(bar) => (low > bar, high < bar),
+        Criterion::Below(bar) => (high < bar, low > bar),
+        Criterion::Within(least, most) => (least <= low && high <= most, high < least || most < low),
     };
     match (holds, fails) {
         (true, _) => Verdict::Holds,
@@ -73,15 +73,15 @@ mod tests {
     #[test]
     fn the_whole_interval_decides() {
         let of = |low, high, bar| judge(Some(Interval { value: (low + high) / 2.0, low, high }), bar);
-        assert_eq!(of(0.1, 0.3, Bar::Above(0.0)), Verdict::Holds);
-        assert_eq!(of(-0.3, -0.1, Bar::Above(0.0)), Verdict::DoesNotHold);
-        assert_eq!(of(-0.1, 0.3, Bar::Above(0.0)), Verdict::NotSeparable);
-        assert_eq!(of(0.0, 0.3, Bar::Above(0.0)), Verdict::NotSeparable);
-        assert_eq!(of(-0.3, -0.1, Bar::Below(0.0)), Verdict::Holds);
-        assert_eq!(of(0.1, 0.3, Bar::Below(0.0)), Verdict::DoesNotHold);
-        assert_eq!(of(1.6, 2.4, Bar::Within(1.5, 2.5)), Verdict::Holds);
-        assert_eq!(of(1.4, 2.4, Bar::Within(1.5, 2.5)), Verdict::NotSeparable);
-        assert_eq!(of(2.6, 2.9, Bar::Within(1.5, 2.5)), Verdict::DoesNotHold);
-        assert_eq!(judge(None, Bar::Above(0.0)), Verdict::NotMeasured);
+        assert_eq!(of(0.1, 0.3, Criterion::Above(0.0)), Verdict::Holds);
+        assert_eq!(of(-0.3, -0.1, Criterion::Above(0.0)), Verdict::DoesNotHold);
+        assert_eq!(of(-0.1, 0.3, Criterion::Above(0.0)), Verdict::NotSeparable);
+        assert_eq!(of(0.0, 0.3, Criterion::Above(0.0)), Verdict::NotSeparable);
+        assert_eq!(of(-0.3, -0.1, Criterion::Below(0.0)), Verdict::Holds);
+        assert_eq!(of(0.1, 0.3, Criterion::Below(0.0)), Verdict::DoesNotHold);
+        assert_eq!(of(1.6, 2.4, Criterion::Within(1.5, 2.5)), Verdict::Holds);
+        assert_eq!(of(1.4, 2.4, Criterion::Within(1.5, 2.5)), Verdict::NotSeparable);
+        assert_eq!(of(2.6, 2.9, Criterion::Within(1.5, 2.5)), Verdict::DoesNotHold);
+        assert_eq!(judge(None, Criterion::Above(0.0)), Verdict::NotMeasured);
     }
 }

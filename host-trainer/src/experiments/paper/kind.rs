@@ -1,6 +1,7 @@
 //! The two groups of runs and their settings.
 
-use crate::settings::{Graph, KEYS, Settings};
+use super::design::WORLDS;
+use crate::settings::{Settings, keys};
 use clap::ValueEnum;
 use covey_env::ObservationForm;
 use firmware_core::actor::Aggregation;
@@ -10,7 +11,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
-    /// The paper's: its observation, its reward, no advice, and what flies is the last policy as it was trained.
+    /// The paper's: its observation, its reward, no behaviour cloning, and what flies is the last policy as it was trained.
     Paper,
     /// Covey's defaults.
     Shipped,
@@ -90,10 +91,8 @@ pub const QUICK: [&str; 12] = [
 /// Every setting but those in which the runs of a group differ: name and value.
 #[must_use]
 pub fn common(settings: &Settings) -> Vec<(String, String)> {
-    // The values of the two are left out, so they may be anything.
-    let s = Settings { graph: Graph(Aggregation::Gcn), seed: 0, ..settings.clone() }.to_toml();
-    let lines = s.lines().filter_map(|l| l.split_once(" = ")).filter(|(k, _)| !k.starts_with('#'));
-    lines.filter(|(k, _)| !["graph", "seed"].contains(k)).map(|(k, v)| (k.to_owned(), v.to_owned())).collect()
+    let entries = settings.entries().into_iter().filter(|(key, _)| !["graph", "seed"].contains(key));
+    entries.map(|(key, value)| (key.to_owned(), value)).collect()
 }
 
 /// What has to be typed to train these runs.
@@ -110,12 +109,12 @@ pub fn command(kind: Kind, graphs: &[&str], seeds: &[u64], settings: &[(String, 
     if seeds != "10,11,12,13,14" {
         command += &format!(" --seeds {seeds}");
     }
-    if worlds != super::WORLDS {
+    if worlds != WORLDS {
         command += &format!(" --worlds {worlds}");
     }
     let base = common(&kind.settings());
     // Settings that other versions had are left out.
-    for (key, value) in settings.iter().filter(|s| !base.contains(s) && KEYS.iter().any(|k| k.name == s.0)) {
+    for (key, value) in settings.iter().filter(|s| !base.contains(s) && keys().iter().any(|k| k.name == s.0)) {
         command += &format!(" --set {key}={}", value.trim_matches('"'));
     }
     command
@@ -148,8 +147,8 @@ mod tests {
     fn the_quick_settings_go_together() {
         for kind in Kind::ALL {
             let mut s = kind.settings();
-            QUICK.iter().try_for_each(|set| s.set(set)).unwrap();
-            s.check().unwrap();
+            QUICK.iter().try_for_each(|set| s.set(set).map(|_| ())).unwrap();
+            s.validate().unwrap();
         }
     }
 }

@@ -2,43 +2,35 @@
 //! training, the trained policies with other numbers of UAVs, and what the paper says of them
 //! judged by stated rules.
 //!
-//! [`collect`](mod@collect) turns run folders into [`Results`]; figures, tables and verdicts
+//! [`collect()`] turns run folders into [`Results`]; figures, tables and verdicts
 //! follow from those alone, so that the page can be made again without the runs.
 
 mod claims;
-pub mod collect;
+mod collect;
 mod compare;
+mod design;
+mod error;
 mod figures;
 mod judge;
 mod kind;
+mod metric;
 mod quantity;
 mod report;
 mod results;
-pub mod statistics;
+mod runs;
+mod statistics;
 mod tables;
 
 pub use claims::{CLAIMS, Claim};
+pub use collect::{BASELINES, Worlds, collect};
+pub use design::{SIZES, WORLDS, title};
+pub use error::CollectError;
 pub use figures::figures;
-pub use judge::{Bar, Finding, Verdict, judge};
+pub use judge::{Criterion, Finding, Verdict, judge};
 pub use kind::{Kind, QUICK};
+pub use metric::Metric;
 pub use quantity::{Measure, Quantity, When};
 pub use report::page;
-pub use results::{Baseline, Curves, Flight, Group, Metric, Results, ResultsError, RunResult};
-
-use firmware_core::actor::Aggregation;
-
-/// Numbers of UAVs with which the paper flies its trained policies.
-pub const SIZES: [u16; 6] = [5, 10, 15, 20, 25, 30];
-
-/// Worlds that the paper flies with each number of UAVs.
-pub const WORLDS: u32 = 100;
-
-/// The algorithm's name in tables and pictures.
-#[must_use]
-pub const fn title(graph: Aggregation) -> &'static str {
-    match graph {
-        Aggregation::None => "plain PPO",
-        Aggregation::Gcn => "GCN",
-        Aggregation::Gat => "GAT",
-    }
-}
+pub use results::{Baseline, Curves, Flight, Group, Results, ResultsError, RunResult};
+pub use runs::{Run, check, finished, folder_of, run_name, runs};
+pub use statistics::Interval;

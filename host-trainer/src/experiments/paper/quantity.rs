@@ -1,8 +1,9 @@
 //! Numbers taken from a run, and over seeds from runs.
 
-use super::results::{Curves, Group, Metric, Results, RunResult};
-use super::statistics::{mean, slope, unrest};
-use super::title;
+use super::design::title;
+use super::metric::Metric;
+use super::results::{Curves, Group, Results, RunResult};
+use super::statistics::{mean, scatter_around_line, slope};
 use firmware_core::actor::Aggregation;
 
 /// A number of one run.
@@ -22,25 +23,26 @@ pub enum When {
     Between(f64, f64),
     /// Mean of all training.
     Whole,
-    /// End less start.
+    /// Value at the end less that at the start.
     Change,
     /// The value after so many episodes less start.
     ChangeBy(f64),
     /// End less the value after so many episodes.
     ChangeFrom(f64),
-    /// What was gained by so many episodes less what was gained from then to the end.
-    Sooner(f64),
+    /// What was gained by so many episodes less what was gained from then to the end: above 0 when
+    /// most of the gain comes early.
+    GainByLessAfter(f64),
     /// Share of the change from start to end that was made by so many episodes.
-    Share(f64),
-    /// Mean size after so many episodes over that before.
-    Calm(f64),
-    /// Deviation of the rounds after so many episodes around their straight line.
-    Unrest(f64),
+    ShareBy(f64),
+    /// Mean magnitude after so many episodes over the mean magnitude before.
+    SizeAfterOverBefore(f64),
+    /// Standard deviation of the rounds after so many episodes around their least-squares line.
+    ScatterFrom(f64),
     /// Mean over all numbers of UAVs flown.
     Flights,
     /// Slope over the number of UAVs flown, for ten more.
     PerTenUavs,
-    /// What is above UAVs that fly at random, with the number of UAVs where that is least.
+    /// Lead over UAVs that fly at random, with the number of UAVs for which that lead is least.
     AboveRandom,
 }
 
@@ -104,15 +106,15 @@ impl Quantity {
             When::Change => end() - start,
             When::ChangeBy(episode) => at(c, metric, episode) - start,
             When::ChangeFrom(episode) => end() - at(c, metric, episode),
-            When::Sooner(episode) => 2.0 * at(c, metric, episode) - start - end(),
-            When::Share(episode) => (at(c, metric, episode) - start) / (end() - start),
-            When::Calm(episode) => {
+            When::GainByLessAfter(episode) => 2.0 * at(c, metric, episode) - start - end(),
+            When::ShareBy(episode) => (at(c, metric, episode) - start) / (end() - start),
+            When::SizeAfterOverBefore(episode) => {
                 let size = |from, to| mean(&rounds(c, from, to).map(|k| c.of(metric)[k].abs()).collect::<Vec<_>>());
                 size(episode, f64::INFINITY) / size(0.0, episode)
             }
-            When::Unrest(episode) => {
+            When::ScatterFrom(episode) => {
                 let points = rounds(c, episode, f64::INFINITY).map(|k| (c.episodes[k] as f64, c.of(metric)[k]));
-                unrest(&points.collect::<Vec<_>>())
+                scatter_around_line(&points.collect::<Vec<_>>())
             }
             When::Flights => mean(&flights().iter().map(|p| p.1).collect::<Vec<_>>()),
             When::PerTenUavs => 10.0 * slope(&flights()),
@@ -140,10 +142,10 @@ impl Quantity {
             When::Change => format!("{m}, end less start"),
             When::ChangeBy(e) => format!("{m} after {e:.0} episodes less start"),
             When::ChangeFrom(e) => format!("{m}, end less that after {e:.0} episodes"),
-            When::Sooner(e) => format!("{m}, gain by {e:.0} episodes less gain after"),
-            When::Share(e) => format!("{m}, share of its change made by {e:.0} episodes"),
-            When::Calm(e) => format!("{m}, mean size after {e:.0} episodes over that before"),
-            When::Unrest(e) => format!("{m}, deviation around a line from episode {e:.0} on"),
+            When::GainByLessAfter(e) => format!("{m}, gain by {e:.0} episodes less gain after"),
+            When::ShareBy(e) => format!("{m}, share of its change made by {e:.0} episodes"),
+            When::SizeAfterOverBefore(e) => format!("{m}, mean size after {e:.0} episodes over that before"),
+            When::ScatterFrom(e) => format!("{m}, deviation around a line from episode {e:.0} on"),
             When::Flights => format!("{m}, mean over the numbers of UAVs"),
             When::PerTenUavs => format!("{m}, slope for ten more UAVs"),
             When::AboveRandom => format!("{m} above random flight, least over the numbers of UAVs"),
@@ -244,13 +246,13 @@ mod tests {
         coverage(When::Change, 0.09);
         coverage(When::ChangeBy(450.0), 0.04);
         coverage(When::ChangeFrom(450.0), 0.05);
-        coverage(When::Sooner(450.0), -0.01);
-        coverage(When::Share(450.0), 4.0 / 9.0);
-        coverage(When::Unrest(0.0), 0.0);
+        coverage(When::GainByLessAfter(450.0), -0.01);
+        coverage(When::ShareBy(450.0), 4.0 / 9.0);
+        coverage(When::ScatterFrom(0.0), 0.0);
         coverage(When::Flights, 0.3);
         coverage(When::PerTenUavs, 0.2);
         coverage(When::AboveRandom, 0.05);
-        is(Metric::PolicyLoss, When::Calm(500.0), 0.25);
+        is(Metric::PolicyLoss, When::SizeAfterOverBefore(500.0), 0.25);
         is(Metric::PolicyLoss, When::Flights, f64::NAN);
         assert_eq!(reached(&run(), Metric::Coverage, 0.115), Some(300));
         assert_eq!(reached(&run(), Metric::Coverage, 0.2), None);

@@ -2,14 +2,16 @@
 
 use super::claims::{CLAIMS, Claim};
 use super::compare::improvements;
+use super::design::title;
 use super::figures::{COMPARED, FIGURES, Figure};
-use super::judge::{Bar, Finding, Verdict};
+use super::judge::{Criterion, Finding, Verdict};
+use super::kind::Kind;
 use super::kind::command;
-use super::results::{Group, Metric, Results};
+use super::metric::Metric;
+use super::results::{Group, Results};
 use super::statistics::bootstrap;
 use super::tables::{beside_baselines, by_uavs, coverage_reached, end_of_training, interval};
-use super::{Kind, title};
-use crate::settings::KEYS;
+use crate::settings::keys;
 use firmware_core::actor::Aggregation;
 use std::fmt::Write;
 
@@ -18,7 +20,7 @@ use std::fmt::Write;
 pub fn page(results: &Results) -> String {
     let mut out = introduction(results);
     if let Some(group) = results.group(Kind::Paper) {
-        let found: Vec<(&Claim, Finding)> = CLAIMS.iter().map(|c| (c, c.find(group, results))).collect();
+        let found: Vec<(&Claim, Finding)> = CLAIMS.iter().map(|c| (c, c.test(group, results))).collect();
         out += &summary(&found);
         for f in FIGURES {
             out += &section(f, group, results, &found);
@@ -72,7 +74,7 @@ fn introduction(results: &Results) -> String {
          have the\ninterquartile mean over seeds, which leaves the lowest and the highest quarter out, with a 95 % bootstrap interval over seeds \
          (whole runs are\ndrawn, {} times, from a fixed seed). Policies fly as int8 actors, actions drawn, in worlds 0 to {} of seed {}: worlds \
          that no run was trained\non, the same for all.\n",
-        results.groups.first().map_or("?", |g| g.setting("worlds")),
+        results.groups.first().map_or("?", |g| g.setting("num_envs")),
         super::statistics::RESAMPLES,
         results.worlds.saturating_sub(1),
         results.world_seed,
@@ -95,7 +97,7 @@ fn summary(found: &[(&Claim, Finding)]) -> String {
     }
     out += "| figure | the paper says | here |\n|--:|---|---|\n";
     for (claim, finding) in found {
-        let _ = writeln!(out, "| {} | {} | {} |", claim.figure, claim.says, finding.verdict.name());
+        let _ = writeln!(out, "| {} | {} | {} |", claim.figure, claim.statement, finding.verdict.name());
     }
     out
 }
@@ -118,9 +120,9 @@ fn section(f: Figure, group: &Group, results: &Results, found: &[(&Claim, Findin
         let _ = writeln!(
             out,
             "| {} | {} | {measured} | {} | **{}** |",
-            claim.says,
+            claim.statement,
             claim.measure.words(),
-            bar(claim.bar),
+            bar(claim.criterion),
             finding.verdict.name()
         );
     }
@@ -151,12 +153,12 @@ fn overall(group: &Group, metric: Metric) -> String {
     if all.is_empty() { String::new() } else { format!("\nOver all numbers of UAVs: {}.\n", all.join(", ")) }
 }
 
-fn bar(bar: Bar) -> String {
+fn bar(bar: Criterion) -> String {
     let exact = |v: f64| format!("{v}").replace('-', "−");
     match bar {
-        Bar::Above(b) => format!("above {}", exact(b)),
-        Bar::Below(b) => format!("below {}", exact(b)),
-        Bar::Within(low, high) => format!("{} to {}", exact(low), exact(high)),
+        Criterion::Above(b) => format!("above {}", exact(b)),
+        Criterion::Below(b) => format!("below {}", exact(b)),
+        Criterion::Within(low, high) => format!("{} to {}", exact(low), exact(high)),
     }
 }
 
@@ -188,12 +190,12 @@ fn settings(group: &Group) -> String {
     let mut out = format!("\n## Settings: {}\n\n", group.kind.title());
     if group.kind == Kind::Paper {
         out += "PPO as in [training.md](../training.md), which also says in what it differs from the paper's algorithm 1; without \
-                advice, and\nwhat flies is the last policy as it was trained (no running average of weights, no temperature).\n\n";
+                behaviour\ncloning, and what flies is the last policy as it was trained (no running average of weights, no temperature).\n\n";
     }
     out += "<details><summary>Every setting</summary>\n\n| setting | value | default |\n|---|---|---|\n";
     for (key, value) in &group.settings {
-        let default = KEYS.iter().find(|k| k.name == key).map_or_else(|| "–".to_owned(), |k| (k.default)());
-        let same = if default == *value { "the same".to_owned() } else { format!("**{default}**") };
+        let default = keys().iter().find(|k| k.name == *key).map_or("–", |k| &k.default);
+        let same = if default == value { "the same".to_owned() } else { format!("**{default}**") };
         let _ = writeln!(out, "| `{key}` | {value} | {same} |");
     }
     out + "\n</details>\n"

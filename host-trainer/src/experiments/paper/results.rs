@@ -1,6 +1,8 @@
 //! All numbers behind the page: `results.json`.
 
 use super::kind::Kind;
+use super::metric::Metric;
+use crate::settings::current_name;
 use covey_env::EpisodeMetrics;
 use firmware_core::actor::Aggregation;
 use serde::{Deserialize, Serialize};
@@ -45,62 +47,6 @@ pub enum ResultsError {
         /// The run.
         run: String,
     },
-}
-
-/// The curves of figures 5 to 10, and the metrics of figures 11 to 14.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Metric {
-    /// Episodic reward.
-    Reward,
-    /// Coverage index.
-    Coverage,
-    /// Energy index.
-    Energy,
-    /// Clipped surrogate, negated; not known of flights.
-    PolicyLoss,
-    /// PoIs a UAV alone covers in its group.
-    Individual,
-    /// PoIs its group covers.
-    Group,
-}
-
-impl Metric {
-    /// In sentences and tables.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Reward => "reward",
-            Self::Coverage => "coverage",
-            Self::Energy => "energy",
-            Self::PolicyLoss => "policy loss",
-            Self::Individual => "individual",
-            Self::Group => "group",
-        }
-    }
-
-    /// Title and label of the value axis.
-    #[must_use]
-    pub const fn labels(self) -> (&'static str, &'static str) {
-        match self {
-            Self::Reward => ("Episodic reward", "reward"),
-            Self::Coverage => ("Coverage index", "share of PoIs"),
-            Self::Energy => ("Energy index", "0.5 hovering, 1 full speed"),
-            Self::PolicyLoss => ("Policy loss", "clipped surrogate"),
-            Self::Individual => ("Individual covered PoIs", "PoIs a UAV"),
-            Self::Group => ("Group covered PoIs", "PoIs a group"),
-        }
-    }
-
-    /// Decimals in tables.
-    #[must_use]
-    pub const fn decimals(self) -> usize {
-        match self {
-            Self::Reward => 0,
-            Self::Coverage | Self::Energy => 3,
-            Self::PolicyLoss => 4,
-            Self::Individual | Self::Group => 2,
-        }
-    }
 }
 
 /// Metrics by round of training, means over the round's episodes.
@@ -295,10 +241,14 @@ impl Results {
         let path = path.to_owned();
         let text =
             std::fs::read_to_string(&path).map_err(|source| ResultsError::Read { path: path.clone(), source })?;
-        let found: Self =
+        let mut found: Self =
             serde_json::from_str(&text).map_err(|source| ResultsError::Malformed { path: path.clone(), source })?;
         if found.format != FORMAT {
             return Err(ResultsError::Format { path, found: found.format });
+        }
+        // Files from before name some settings otherwise.
+        for (name, _) in found.groups.iter_mut().flat_map(|g| &mut g.settings) {
+            *name = current_name(name).to_owned();
         }
         match found.groups.iter().flat_map(|g| &g.runs).find(|r| !r.curves.even()) {
             Some(r) => Err(ResultsError::Lengths { path, run: format!("{}-seed{}", r.graph, r.seed) }),

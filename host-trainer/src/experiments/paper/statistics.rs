@@ -107,7 +107,7 @@ pub fn slope(points: &[(f64, f64)]) -> f64 {
 /// Sample deviation of y around the least-squares line over x; not a number for fewer than
 /// three points.
 #[must_use]
-pub fn unrest(points: &[(f64, f64)]) -> f64 {
+pub fn scatter_around_line(points: &[(f64, f64)]) -> f64 {
     if points.len() < 3 {
         return f64::NAN;
     }
@@ -174,9 +174,9 @@ mod tests {
     #[test]
     fn lines_and_what_is_left_around_them() {
         assert_eq!(slope(&[(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)]), 2.0);
-        assert_eq!(unrest(&[(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)]), 0.0);
-        assert!(unrest(&[(0.0, 1.0), (1.0, 3.0)]).is_nan());
-        assert!(close(unrest(&[(0.0, 1.0), (1.0, -1.0), (2.0, -1.0), (3.0, 1.0)]), 2f64.sqrt(), 1e-12));
+        assert_eq!(scatter_around_line(&[(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)]), 0.0);
+        assert!(scatter_around_line(&[(0.0, 1.0), (1.0, 3.0)]).is_nan());
+        assert!(close(scatter_around_line(&[(0.0, 1.0), (1.0, -1.0), (2.0, -1.0), (3.0, 1.0)]), 2f64.sqrt(), 1e-12));
     }
 
     proptest! {

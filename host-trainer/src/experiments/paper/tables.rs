@@ -1,8 +1,11 @@
 //! Tables in Markdown.
 
-use super::results::{Flight, Group, Metric, Results};
+use super::design::title;
+use super::kind::Kind;
+use super::metric::Metric;
+use super::quantity::reached;
+use super::results::{Flight, Group, Results};
 use super::statistics::{Interval, interquartile, interquartile_mean, student};
-use super::{Kind, quantity::reached, title};
 use std::fmt::Write;
 
 /// Text with a true minus sign.

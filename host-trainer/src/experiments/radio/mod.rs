@@ -1,0 +1,8 @@
+//! How much coverage is left over a radio that loses and delays messages: the page
+//! `docs/link-loss.md`.
+
+mod conditions;
+mod page;
+mod study;
+
+pub use study::{RadioStudy, study};

@@ -1,0 +1,13 @@
+//! Export: from the trained float policy to the int8 actor file, with calibration, quantisation,
+//! self-tests and the measured figures.
+
+mod actor_file;
+mod calibrate;
+mod error;
+mod layers;
+mod quantise;
+
+pub use actor_file::{ExportedActor, export_actor};
+pub use calibrate::{Ranges, Situation, calibrate};
+pub use error::QuantiseError;
+pub use quantise::{quantise, situation_agreement};

@@ -1,0 +1,223 @@
+//! Quantisation: int8 weights with one multiplier a row, from the float policy.
+
+use super::calibrate::{Ranges, Situation, calibrate};
+use super::error::QuantiseError;
+use super::layers::{Blobs, FloatLayer, Order, Output};
+use crate::eval::AnyActor;
+use crate::float_actor::{FloatActor, argmax as float_argmax};
+use covey_env::{BatchedObservation, ObservationForm, Scenario, neighbour_features};
+use firmware_core::actor::file::{Body, HEADER, TRAILER};
+use firmware_core::actor::{
+    Aggregation, Feature, LoadError, Provenance, QuantisedActor, SELF_TESTS, argmax, write_self_test,
+};
+use firmware_core::observation::Observation;
+use firmware_core::observation::cells::Cells;
+
+/// How far a channel's scale follows its own range rather than the layer's: candidates
+/// among which calibration picks the one that chooses most like the float policy.
+const OWN_RANGE: [f64; 4] = [0.0, 0.35, 0.7, 1.0];
+
+/// Quantises a policy into an actor file, after calibrating it on worlds 0 to `worlds` − 1 of `seed`,
+/// which should be neither training nor held-out ones.
+///
+/// # Errors
+/// See [`QuantiseError`].
+pub fn quantise(
+    actor: &FloatActor,
+    scenario: &Scenario,
+    seed: u64,
+    worlds: u32,
+    provenance: Provenance<'_>,
+) -> Result<Vec<u8>, QuantiseError> {
+    match actor.observation {
+        ObservationForm::Compact => quantise_as::<Observation>(actor, scenario, seed, worlds, provenance),
+        ObservationForm::Cells => quantise_as::<Cells>(actor, scenario, seed, worlds, provenance),
+    }
+}
+
+fn quantise_as<O: BatchedObservation>(
+    actor: &FloatActor,
+    scenario: &Scenario,
+    seed: u64,
+    worlds: u32,
+    provenance: Provenance<'_>,
+) -> Result<Vec<u8>, QuantiseError> {
+    let (ranges, situations) = calibrate(actor, scenario, seed, worlds)?;
+    let mut best: Option<(usize, Vec<u8>)> = None;
+    for own in OWN_RANGE {
+        let file = compose::<O>(actor, &ranges, own, &situations, provenance)?;
+        let agreeing = situation_agreement(&QuantisedActor::<O>::load(&file)?, &situations).0;
+        if best.as_ref().is_none_or(|(most, _)| agreeing > *most) {
+            best = Some((agreeing, file));
+        }
+    }
+    let (_, file) = best.unwrap_or_default();
+    QuantisedActor::<O>::load(&file)?.self_test()?;
+    Ok(file)
+}
+
+/// The same actor file with another provenance: for the figures, which are known only once the actor
+/// has flown.
+///
+/// # Errors
+/// When `file` is no sound actor file.
+pub(super) fn with_provenance(file: &[u8], provenance: Provenance<'_>) -> Result<Vec<u8>, QuantiseError> {
+    let body = file.get(HEADER..file.len().saturating_sub(TRAILER)).unwrap_or(&[]);
+    AnyActor::load(file)?;
+    let body: Body<'_> = postcard::from_bytes(body).map_err(|_| LoadError::Malformed)?;
+    store(&Body { provenance, ..body })
+}
+
+fn store(body: &Body<'_>) -> Result<Vec<u8>, QuantiseError> {
+    let mut out = vec![0; body.weights.len() + body.tables.len() + body.self_tests.len() + 4096];
+    let n = body.store(&mut out)?;
+    out.truncate(n);
+    Ok(out)
+}
+
+/// Scales of a layer's channels: ranges over 127, between the layer's (0) and each
+/// channel's own (1).
+fn scales(ranges: &[f32], own: f64) -> Vec<f64> {
+    let top = ranges.iter().fold(1e-6f64, |m, &r| m.max(f64::from(r)));
+    // A channel that hardly ever fires keeps a thousandth of the layer's range.
+    ranges.iter().map(|&r| top * (f64::from(r).max(top * 1e-3) / top).powf(own) / 127.0).collect()
+}
+
+fn compose<O: BatchedObservation>(
+    actor: &FloatActor,
+    ranges: &Ranges,
+    own: f64,
+    situations: &[Situation],
+    provenance: Provenance<'_>,
+) -> Result<Vec<u8>, QuantiseError> {
+    let p = |name| actor.layout.block(&actor.values, name);
+    let layer = |name, weights, biases| FloatLayer::from_columns(name, p(weights), p(biases));
+    let mut blobs = Blobs::default();
+    let input = vec![1.0 / 127.0; O::LEN];
+    let order = match actor.observation {
+        ObservationForm::Compact => Order::RowPairs,
+        ObservationForm::Cells => Order::Columns,
+    };
+    let mut hidden = scales(&ranges.hidden, own);
+    let first = layer("first encoder", "encoder1", "encoder1 bias");
+    blobs.push_in(order, &first, &input, Output::Int8(&mut hidden))?;
+    let mut feature = scales(&ranges.feature, own);
+    blobs.push(&layer("second encoder", "encoder2", "encoder2 bias"), &hidden, Output::Int8(&mut feature))?;
+    let mut aggregate_multiplier = 0;
+    let mut joined = feature.clone();
+    let mut head_layer = layer("head", "head own", "head bias");
+    if actor.aggregation != Aggregation::None {
+        if actor.aggregation == Aggregation::Gat {
+            blobs.push(&attention(actor), &feature, Output::Wide)?;
+        }
+        // One factor for all channels: combined features keep the features' scales,
+        // times what the fullest channel needs. Sums are Q15.
+        let grown =
+            ranges.combined.iter().zip(&feature).fold(1e-3, |m: f64, (&r, s)| m.max(f64::from(r) / (127.0 * s)));
+        aggregate_multiplier = ((1u64 << 17) as f64 / grown).round().min(f64::from(i32::MAX)) as i32;
+        let combined: Vec<f64> = feature.iter().map(|s| s * grown).collect();
+        let mut graph = scales(&ranges.graph, own);
+        blobs.push(&layer("graph", "graph", "graph bias"), &combined, Output::Int8(&mut graph))?;
+        joined.extend(graph);
+        head_layer = head_layer.beside(p("head aggregate"));
+    }
+    let mut head = scales(&ranges.head, own);
+    blobs.push(&head_layer, &joined, Output::Int8(&mut head))?;
+    blobs.push(&layer("output", "output", "output bias"), &head, Output::Wide)?;
+    let body = Body {
+        align: &[],
+        weights: &blobs.weights,
+        tables: &blobs.tables,
+        observation: O::ID,
+        aggregation: actor.aggregation,
+        dimensions: actor.dimensions,
+        tie_period: actor.tie_period,
+        aggregate_multiplier,
+        provenance,
+        self_tests: &[],
+        content_hash: 0,
+    };
+    with_self_tests::<O>(&body, situations)
+}
+
+/// The two halves of the score, `W a₁` and `W a₂`, as a layer of two rows.
+fn attention(actor: &FloatActor) -> FloatLayer {
+    let p = |name| actor.layout.block(&actor.values, name);
+    let (w, width) = (p("graph"), usize::from(actor.dimensions.feature));
+    let half = |a: &[f32]| {
+        w.chunks_exact(width).map(|row| row.iter().zip(a).map(|(w, a)| f64::from(*w) * f64::from(*a)).sum()).collect()
+    };
+    FloatLayer {
+        name: "attention",
+        weights: vec![half(p("attention receiver")), half(p("attention sender"))],
+        biases: vec![0.0; 2],
+    }
+}
+
+/// The logits of UAV `i` of a situation whose UAVs have these features.
+fn int8_logits<O: BatchedObservation>(
+    actor: &QuantisedActor<'_, O>,
+    features: &[Feature],
+    s: &Situation,
+    i: usize,
+) -> [i16; 17] {
+    let width = usize::from(actor.dimensions().feature);
+    actor.logits(&features[i], s.neighbourhoods[i].count + 1, neighbour_features(features, width, &s.neighbourhoods, i))
+}
+
+/// In how many decisions of these situations the int8 actor's greatest logit is the float policy's,
+/// and how many decisions there are.
+#[must_use]
+pub fn situation_agreement<O: BatchedObservation>(
+    actor: &QuantisedActor<'_, O>,
+    situations: &[Situation],
+) -> (usize, usize) {
+    let (mut agreeing, mut all) = (0, 0);
+    for s in situations {
+        let features: Vec<Feature> = O::among(&s.observations).iter().map(|o| actor.encode(o)).collect();
+        for (i, row) in s.logits.chunks_exact(17).enumerate() {
+            let own = argmax(&int8_logits(actor, &features, s, i));
+            agreeing += usize::from(own == float_argmax(row));
+            all += 1;
+        }
+    }
+    (agreeing, all)
+}
+
+/// The file with self-tests of situations spread over the calibration.
+fn with_self_tests<O: BatchedObservation>(body: &Body<'_>, situations: &[Situation]) -> Result<Vec<u8>, QuantiseError> {
+    let width = usize::from(body.dimensions.feature);
+    let vectors = |actor: Option<&QuantisedActor<'_, O>>| {
+        let mut bytes = Vec::new();
+        for k in 0..SELF_TESTS {
+            let s = &situations[(2 * k + 1) * situations.len() / (2 * SELF_TESTS)];
+            // The UAV with most neighbours in every other vector.
+            let most = |&i: &usize| s.neighbourhoods[i].count;
+            let i = if k % 2 == 0 {
+                k % s.neighbourhoods.len()
+            } else {
+                (0..s.neighbourhoods.len()).max_by_key(most).unwrap_or(0)
+            };
+            let blank = Feature { values: [0; 64], attention_destination: 0, attention_source: 0 };
+            let features: Vec<Feature> =
+                O::among(&s.observations).iter().map(|o| actor.map_or(blank, |a| a.encode(o))).collect();
+            let logits = actor.map_or([0; 17], |a| int8_logits(a, &features, s, i));
+            let neighbours: Vec<_> = neighbour_features(&features, width, &s.neighbourhoods, i).collect();
+            let mut buffer = [0; 2048];
+            let n = write_self_test(
+                &mut buffer,
+                &O::among(&s.observations)[i],
+                s.neighbourhoods[i].count + 1,
+                &neighbours,
+                &logits,
+            );
+            bytes.extend(&buffer[..n.unwrap_or(0)]);
+        }
+        bytes
+    };
+    // Logits do not depend on the vectors: compute them with blank ones first.
+    let blank = vectors(None);
+    let draft = store(&Body { self_tests: &blank, ..*body })?;
+    let tests = vectors(Some(&QuantisedActor::load(&draft)?));
+    store(&Body { self_tests: &tests, ..*body })
+}
