@@ -8,6 +8,7 @@ mod arrows;
 mod graph;
 mod import;
 mod packages;
+mod paths;
 mod python;
 mod read;
 mod test_only;
@@ -56,9 +57,10 @@ pub fn main(args: &Args) -> Result<()> {
     let path = root.join(arrows::DOCUMENT);
     let document = fs::read_to_string(&path).map_err(Error::file(&path))?;
     complaints.extend(arrows::differences(&document, &packages));
+    complaints.extend(paths::missing(&document, &root));
     if complaints.is_empty() {
         println!(
-            "no circle in {} crates and {} Python package; the crates' dependencies are those of {}",
+            "no circle in {} crates and {} Python package; the crates' dependencies and the files are those of {}",
             packages.len(),
             PYTHON.len(),
             arrows::DOCUMENT
