@@ -4,11 +4,12 @@
 
 use covey_env::{ActorPolicy, PoiDistribution, Scenario, World};
 use firmware_core::action::Action;
-use firmware_core::actor::{Actor, Feature, Logits, Mode, NeighbourFeature};
+use firmware_core::actor::{Actor, Logits, Mode};
+use firmware_core::agent::{Agent, AgentSettings};
 use firmware_core::geometry::{COMMUNICATION_RANGE_U, SPEED_CAP_U, State, TICKS_PER_U, Vec2};
-use firmware_core::message::{self, Beacon, Header, MAX_LEN, Message};
-use firmware_core::neighbour_table::{DEFAULT_STEP_MS, MAX_AGE_STEPS, Moment, NeighbourTable};
-use firmware_core::observation::{MAX_NEIGHBOURS, Neighbours, Observation, Scene, observe};
+use firmware_core::message::{MAX_LEN, Message};
+use firmware_core::neighbour_table::{DEFAULT_STEP_MS, MAX_AGE_STEPS, Moment};
+use firmware_core::observation::{MAX_NEIGHBOURS, Observation};
 use std::path::Path;
 
 const SEED: u64 = 41;
@@ -27,68 +28,48 @@ fn committed(name: &str) -> Vec<u8> {
     std::fs::read(folder.join(format!("{name}.actor"))).expect("a committed sample actor")
 }
 
-/// What one board holds.
+/// A board: its agent, and what it measured and observed at the present step.
 struct Board<'a> {
-    id: u16,
+    agent: Agent,
     actor: Actor<'a>,
-    table: NeighbourTable,
-    view: Neighbours,
     own: State,
     now: Moment,
     observation: Observation,
-    feature: Feature,
 }
 
 impl<'a> Board<'a> {
-    fn new(id: u16, actor: Actor<'a>) -> Self {
-        let table = NeighbourTable::new(id, actor.policy_id(), DEFAULT_STEP_MS);
-        let observation = [0; _];
-        let feature = actor.encode(&observation);
-        let (own, now) = (State::default(), Moment::default());
-        Self { id, actor, table, view: Neighbours::new(), own, now, observation, feature }
+    fn new(id: u16, actor: Actor<'a>, mode: Mode, half_side: i32) -> Self {
+        let agent = Agent::new(AgentSettings { mode, half_side, ..AgentSettings::new(&actor, id, SEED) });
+        Self { agent, actor, own: State::default(), now: Moment::default(), observation: [0; _] }
     }
 
-    fn header(&self) -> Header {
-        let sequence = FIRST_SEQUENCE.wrapping_add(self.now.step as u16);
-        Header { id: self.id, sequence, step: self.now.step }
-    }
-
-    fn tie(&self) -> i8 {
-        self.actor.tie_breaker(SEED, self.id, self.now.step)
+    fn sequence(&self) -> u16 {
+        FIRST_SEQUENCE.wrapping_add(self.now.step as u16)
     }
 
     /// A new step: measures the own state and tells it.
     fn beacon(&mut self, own: State, step: u32) -> Vec<u8> {
         let time_ms = FIRST_TIME_MS.wrapping_add(step * u32::from(DEFAULT_STEP_MS));
         (self.own, self.now) = (own, Moment { step, time_ms });
-        bytes(&Message::Beacon(Beacon::new(self.header(), time_ms, own, self.tie())))
+        bytes(&Message::Beacon(self.agent.beacon(self.now, self.sequence(), own)))
     }
 
     fn hear(&mut self, bytes: &[u8]) {
         let message = Message::decode(bytes).expect("what a board sends is a message");
         // Far senders may be turned away; the comparison below tells if a near one was.
-        let _ = self.table.hear(&message, self.own.position, self.now);
+        let _ = self.agent.hear(&message, self.own.position, self.now);
     }
 
-    /// Looks, encodes and tells the feature, if the policy uses any.
-    fn encode(&mut self, half_side: i32, pois: &[Vec2]) -> Option<Vec<u8>> {
-        self.table.view(self.own.position, self.now, &mut self.view);
-        let scene = Scene { id: self.id, own: self.own, tie: self.tie(), half_side, neighbours: &self.view };
-        self.observation = observe(&scene, pois.iter().copied());
-        self.feature = self.actor.encode(&self.observation);
-        let message = message::FeatureMessage::from_actor(self.header(), self.degree(), &self.actor, &self.feature)?;
-        Some(bytes(&Message::Feature(message)))
+    /// Observes, encodes and tells the feature, if the policy uses any.
+    fn encode(&mut self, pois: &[Vec2]) -> Option<Vec<u8>> {
+        self.observation = self.agent.observe(self.now, self.own, pois.iter().copied());
+        let message = self.agent.encode(&self.actor, &self.observation, self.sequence()).expect("its own actor");
+        message.map(|message| bytes(&Message::Feature(message)))
     }
 
-    fn degree(&self) -> u8 {
-        self.view.as_slice().len() as u8 + 1
-    }
-
-    fn decide(&self, mode: Mode) -> (Logits, Action) {
-        let heard: Vec<NeighbourFeature<'_>> =
-            self.table.features(&self.view, self.now.step).map(|(_, feature)| feature).collect();
-        let logits = self.actor.logits(&self.feature, self.degree(), heard);
-        (logits, self.actor.choose(&logits, mode, SEED, self.id, self.now.step))
+    fn decide(&self) -> (Logits, Action) {
+        let decision = self.agent.decide(&self.actor).expect("an encoded step");
+        (decision.logits, decision.action)
     }
 }
 
@@ -121,7 +102,8 @@ fn fly(file: &[u8], scenario: &Scenario, mode: Mode, reach_u: i32) -> (u8, usize
     let mut world = World::new(scenario).expect("a scenario");
     world.reset(SEED, 3);
     let mut trained = ActorPolicy::new(actor, SEED, mode);
-    let mut boards: Vec<_> = (0..scenario.uavs).map(|i| Board::new(i as u16, actor)).collect();
+    let mut boards: Vec<_> =
+        (0..scenario.uavs).map(|i| Board::new(i as u16, actor, mode, scenario.half_side_ticks())).collect();
     let pois: Vec<Vec2> = world.poi_x().iter().zip(world.poi_y()).map(|(&x, &y)| Vec2::from_u(x, y)).collect();
     let (mut most, mut links) = (0, 0);
     while !world.done() {
@@ -132,15 +114,15 @@ fn fly(file: &[u8], scenario: &Scenario, mode: Mode, reach_u: i32) -> (u8, usize
         };
         let beacons: Vec<_> = boards.iter_mut().enumerate().map(|(i, b)| Some(b.beacon(state(i), step))).collect();
         exchange(&mut boards, &beacons, reach_u);
-        let features: Vec<_> = boards.iter_mut().map(|b| b.encode(scenario.half_side_ticks(), &pois)).collect();
+        let features: Vec<_> = boards.iter_mut().map(|b| b.encode(&pois)).collect();
         exchange(&mut boards, &features, reach_u);
         trained.observe(&world);
         let mut actions = Vec::new();
         for (i, board) in boards.iter().enumerate() {
-            let (logits, action) = board.decide(mode);
+            let (logits, action) = board.decide();
             let at = format!("step {step}, UAV {i}");
             assert_eq!(board.observation, trained.observations()[i], "{at}: observation");
-            let ids: Vec<u16> = board.view.as_slice().iter().map(|n| n.id).collect();
+            let ids: Vec<u16> = board.agent.neighbours().as_slice().iter().map(|n| n.id).collect();
             assert_eq!(ids, trained.neighbourhoods()[i].as_slice(), "{at}: neighbours");
             assert_eq!(logits, trained.logits(i), "{at}: logits");
             assert_eq!(action, trained.choose(&logits, i, step), "{at}: action");
