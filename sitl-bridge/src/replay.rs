@@ -3,27 +3,30 @@
 //! What a node heard is fed from its tlog to a node of the same kind, at the recorded times; what
 //! it then sends is held against what was sent. Decisions stand in the log by their setpoints: of
 //! the flights that the 17 actions would have asked for, the nearest names the action that was
-//! flown. A step's feature is there word for word, and tells what the UAV saw.
+//! flown. A step's feature is there word for word, and tells what the UAV saw. What the operator
+//! asked for is obeyed again where the log has it.
 //!
 //! ```text
-//! Survey    who is who in the log: which frames the node sent, which it heard
+//! Survey    who is who in the log: which frames the node sent, which it heard, what it was set to
 //! Replay    the node, run again
 //! Judge     its decisions against those that were flown
 //! ```
 
 mod judge;
+mod stream;
 mod survey;
 
 pub use judge::{Account, Difference, Judge, Kind};
+pub use stream::{Foreign, foreign};
 pub use survey::{Role, Survey, SurveyError};
 
 use crate::node::{Node, Now, Outbox};
-use crate::tlog::Record;
+use crate::tlog::{Note, NoteReader, Record};
 
-/// Longest time without a turn of the node, ms: as in flight.
-const TURN_MS: u64 = 50;
-/// In a longer silence of the log nothing more happens, ms.
-const LONGEST_SILENCE_MS: u64 = 60_000;
+/// Longest time between two turns of the node, µs: in flight it waits no longer for a datagram.
+const TURN_US: u64 = 20_000;
+/// A longer gap is a host's clock that was set, not time that passed, µs.
+const LONGEST_GAP_US: u64 = 3_600_000_000;
 
 /// Runs a node from its records.
 #[derive(Debug)]
@@ -32,28 +35,42 @@ pub struct Replay<'a> {
     survey: Survey,
     judge: Judge,
     out: Outbox,
-    now: Option<Now>,
+    notes: NoteReader,
+    /// Time of the last record, and time that passed since the first, µs.
+    time_us: Option<(u64, u64)>,
 }
 
 impl<'a> Replay<'a> {
     /// `node` has the settings of the flight and has heard nothing yet.
     #[must_use]
     pub fn new(node: Node<'a>, survey: Survey, judge: Judge) -> Self {
-        Self { node, survey, judge, out: Outbox::default(), now: None }
+        let notes = NoteReader::default();
+        Self { node, survey, judge, out: Outbox::default(), notes, time_us: None }
     }
 
     /// Takes in the next record.
     pub fn take(&mut self, record: &Record) {
-        let now = self.pass_time(record.unix_us);
         let frame = &record.frame;
-        match self.survey.role(frame) {
+        let role = self.survey.role(frame);
+        // What came in one datagram has one time, and the node's turn ends behind it. Its heartbeats and commands are
+        // sent at the end of a turn, so one has ended before each of them, however close the times are.
+        if role == Role::Sent || self.time_us.is_some_and(|(last_us, _)| last_us != record.unix_us) {
+            self.turn();
+        }
+        let now = self.pass_time(record.unix_us);
+        match role {
             Role::Setpoint => self.judge.flown(frame),
             Role::Told => self.judge.told(frame),
-            Role::Sent => {}
+            Role::Sent => self.turn(),
             Role::Swarm => self.node.hear_swarm(frame.bytes(), now, &mut self.out),
             Role::Autopilot => {
                 self.node.hear_autopilot(frame.bytes(), now, &mut self.out);
             }
+            Role::Note => match self.notes.take(frame) {
+                Some(Note::Order(order)) => self.node.obey(order),
+                Some(Note::Epoch(epoch_ms)) => self.node.set_epoch(epoch_ms),
+                Some(Note::Flight(_)) | None => {}
+            },
         }
         self.collect();
     }
@@ -61,33 +78,34 @@ impl<'a> Replay<'a> {
     /// The account, after the last record.
     #[must_use]
     pub fn finish(mut self) -> Account {
-        if let Some(now) = self.now {
-            self.node.tick(now, &mut self.out);
-            self.collect();
-        }
+        self.turn();
         self.judge.finish(&self.node.counters())
     }
 
-    /// The node's turns up to a recorded time. A host's clock that was set back stands still.
+    fn now(&self) -> Option<Now> {
+        self.time_us.map(|(unix_us, passed_us)| Now { wall_ms: passed_us / 1000, unix_us })
+    }
+
+    /// The end of the node's turn at the time of the last record.
+    fn turn(&mut self) {
+        if let Some(now) = self.now() {
+            self.node.tick(now, &mut self.out);
+            self.collect();
+        }
+    }
+
+    /// The node's turns up to a recorded time. Where the host's clock was set, no time passed.
     fn pass_time(&mut self, unix_us: u64) -> Now {
-        let last = *self.now.get_or_insert(Now { wall_ms: 0, unix_us });
-        if unix_us <= last.unix_us {
-            return last;
+        let (mut at_us, mut passed_us) = self.time_us.unwrap_or((unix_us, 0));
+        let gap_us = unix_us.checked_sub(at_us).filter(|&gap| gap <= LONGEST_GAP_US).unwrap_or(0);
+        let until_us = passed_us + gap_us;
+        while until_us - passed_us > TURN_US {
+            (at_us, passed_us) = (at_us + TURN_US, passed_us + TURN_US);
+            self.time_us = Some((at_us, passed_us));
+            self.turn();
         }
-        let passed_ms = (unix_us - last.unix_us) / 1000;
-        let mut now = last;
-        for _ in 0..passed_ms.min(LONGEST_SILENCE_MS) / TURN_MS {
-            now = Now { wall_ms: now.wall_ms + TURN_MS, unix_us: now.unix_us + TURN_MS * 1000 };
-            self.node.tick(now, &mut self.out);
-        }
-        // Less than a millisecond waits for the next record.
-        let rest_ms = (unix_us - now.unix_us) / 1000;
-        now = Now { wall_ms: now.wall_ms + rest_ms, unix_us: now.unix_us + rest_ms * 1000 };
-        if now != last {
-            self.node.tick(now, &mut self.out);
-            self.now = Some(now);
-        }
-        now
+        self.time_us = Some((unix_us, until_us));
+        Now { wall_ms: until_us / 1000, unix_us }
     }
 
     fn collect(&mut self) {

@@ -51,6 +51,11 @@ impl TimingArgs {
         self.rate_hz
     }
 
+    /// Whether nothing was said.
+    pub(super) fn is_default(&self) -> bool {
+        (self.rate_hz, self.encode_ms, self.decide_ms, self.beacon_hz) == (5, 400, 800, None)
+    }
+
     /// Checked against the length of a step.
     pub(super) fn timing(&self, step_ms: u16) -> Result<Timing> {
         if !(self.encode_ms < self.decide_ms && self.decide_ms < step_ms) {

@@ -2,16 +2,18 @@
 
 use super::actor_file::flight_ready;
 use super::common::{ActorArgs, Console, SigningArgs, TimingArgs, stop_flag};
+use super::mission;
 use super::view::{View, ViewMode};
 use crate::connection::{Address, Connection};
-use crate::mission::{Mission, PoiMap};
+use crate::mission::PoiMap;
 use crate::node::run::{Control, Links, Report, run};
 use crate::node::{FeedForward, Node, Settings, gate_limits};
 use crate::swarm_link::{SwarmAddress, SwarmSocket, system_of};
 use crate::tlog::TlogWriter;
 use firmware_core::gate::Limits;
-use miette::{IntoDiagnostic as _, Result, WrapErr as _};
-use std::path::PathBuf;
+use miette::{IntoDiagnostic as _, Result, WrapErr as _, miette};
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::channel;
 
@@ -69,12 +71,11 @@ impl Fly {
         let stop = stop_flag()?;
         let (bytes, name) = self.actor.read().into_diagnostic()?;
         let actor = flight_ready(&bytes, &name).into_diagnostic()?;
-        let mission = Arc::new(Mission::read(&self.mission).into_diagnostic()?);
+        let mission = Arc::new(mission::read(&self.mission)?);
         let (autopilot_signing, swarm_signing) = self.signing.links()?;
         let autopilot = Connection::open(&self.autopilot).into_diagnostic().wrap_err("no link to the autopilot")?;
         let swarm = self.swarm.as_ref().map(SwarmSocket::open).transpose().into_diagnostic()?;
-        let tlog = self.tlog.as_ref().map(|path| TlogWriter::create(path)).transpose();
-        let tlog = tlog.into_diagnostic().wrap_err("the recording cannot be made")?;
+        let tlog = self.tlog.as_ref().map(|path| recording(path)).transpose()?;
         eprintln!("autopilot: {}", autopilot.describe());
         match &swarm {
             Some(socket) => eprintln!("{}", socket.describe()),
@@ -120,6 +121,20 @@ impl Fly {
         eprintln!("stopped: {}", parting(node.is_airborne(), self.land_on_exit));
         flown
     }
+}
+
+/// Begins a recording.
+///
+/// # Errors
+/// The file exists or cannot be made.
+pub(super) fn recording(path: &Path) -> Result<TlogWriter> {
+    TlogWriter::create(path).map_err(|error| {
+        if error.kind() == ErrorKind::AlreadyExists {
+            let advice = "a recording is never written over: name another file, or move that one away";
+            return miette!("{} exists, and {advice}", path.display());
+        }
+        miette!("the recording {} cannot be made: {error}", path.display())
+    })
 }
 
 /// What becomes of a vehicle, or several, when the program ends.

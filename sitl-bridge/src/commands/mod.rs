@@ -4,6 +4,7 @@ mod actor_file;
 mod common;
 mod fly;
 mod mission;
+mod recorded;
 mod replay;
 mod sim;
 mod swarm;
@@ -28,8 +29,8 @@ pub enum Command {
     Swarm(Box<swarm::Swarm>),
     /// Decide a recorded flight again, and report decisions that differ.
     Replay(replay::ReplayTlog),
-    /// Write the mission of a world of the scenario.
-    Mission(mission::WriteMission),
+    /// Write the mission of a world of the scenario, check a mission, or make one of GeoJSON, KML, CSV, a plan or waypoints.
+    Mission(Box<mission::MissionCommand>),
     /// Test an actor file on this computer, as is done before each flight.
     SelfTest(actor_file::SelfTest),
     /// Print an actor file's signature: the same number wherever the actor decides the same.

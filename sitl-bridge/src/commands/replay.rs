@@ -2,14 +2,16 @@
 
 use super::actor_file::flight_ready;
 use super::common::{ActorArgs, TimingArgs};
+use super::mission;
+use super::recorded::{Recorded, check_mission};
 use crate::frame::Source;
-use crate::mission::{Mission, PoiMap};
-use crate::node::{FeedForward, Node, Settings, gate_limits};
-use crate::replay::{Account, Judge, Replay, Survey};
+use crate::mission::PoiMap;
+use crate::node::{Node, Settings, gate_limits};
+use crate::replay::{Account, Judge, Replay, Survey, SurveyError, foreign};
 use crate::signing::{LinkSigning, Session};
 use crate::tlog::TlogReader;
-use firmware_core::gate::Limits;
 use miette::{IntoDiagnostic as _, Result, WrapErr as _, miette};
+use std::fs::File;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -34,12 +36,15 @@ pub struct ReplayTlog {
     /// The node's MAVLink system id, where the recording leaves a doubt.
     #[arg(long)]
     system: Option<u8>,
-    /// The flight had this option too.
+    /// The flight had this option too. Recordings say so themselves; those of earlier versions do not.
     #[arg(long)]
     simulated: bool,
     /// The flight had this option too.
     #[arg(long, conflicts_with = "simulated")]
     ideal: bool,
+    /// Decide by this mission although the recording names another.
+    #[arg(long)]
+    other_mission: bool,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -65,28 +70,28 @@ impl ReplayTlog {
     fn replay(&self) -> Result<bool> {
         let (bytes, name) = self.actor.read().into_diagnostic()?;
         let actor = flight_ready(&bytes, &name).into_diagnostic()?;
-        let mission = Arc::new(Mission::read(&self.mission).into_diagnostic()?);
+        let mission = Arc::new(mission::read(&self.mission)?);
         let file = || format!("{} cannot be replayed", self.file.display());
         let open = || TlogReader::open(&self.file).into_diagnostic().wrap_err_with(file);
+        let kind = File::open(&self.file).and_then(foreign).into_diagnostic().wrap_err_with(file)?;
+        if let Some(kind) = kind {
+            return Err(SurveyError::Foreign(kind)).into_diagnostic().wrap_err_with(file);
+        }
         let survey = Survey::of(&mut open()?, self.id, self.system).into_diagnostic().wrap_err_with(file)?;
-        let base = if self.ideal {
-            Limits::ideal()
-        } else if self.simulated {
-            Limits::simulation()
-        } else {
-            Limits::default()
-        };
-        let feed_forward = if self.ideal { FeedForward::Action } else { FeedForward::Ramp };
+        check_mission(&survey, &mission, &self.mission, self.other_mission).wrap_err_with(file)?;
+        let kind = if self.ideal { Some("ideal") } else { self.simulated.then_some("simulation") };
+        let recorded = Recorded::of(&survey, kind, &self.timing, mission.scale.step_ms).wrap_err_with(file)?;
+        let feed_forward = recorded.feed_forward;
         let settings = Settings {
             id: survey.id,
             system: survey.system,
             actor,
             pois: Arc::new(PoiMap::new(&mission.pois)),
-            timing: self.timing.timing(mission.scale.step_ms)?,
-            limits: gate_limits(base, &mission),
+            timing: recorded.timing,
+            limits: gate_limits(recorded.limits, &mission),
             feed_forward,
             take_off: survey.took_off,
-            rate_hz: f64::from(self.timing.rate_hz()),
+            rate_hz: recorded.rate_hz,
             source: Source::Datagrams,
             // Only what was believed is in the log.
             autopilot_signing: LinkSigning::off(),
@@ -96,7 +101,7 @@ impl ReplayTlog {
             mission: Arc::clone(&mission),
         };
         let node = Node::new(settings, Session::new()).into_diagnostic()?;
-        let mut replay = Replay::new(node, survey, Judge::new(survey.id, mission.scale, feed_forward));
+        let mut replay = Replay::new(node, survey.clone(), Judge::new(survey.id, mission.scale, feed_forward));
         for record in open()? {
             replay.take(&record.into_diagnostic().wrap_err_with(file)?);
         }
@@ -107,6 +112,15 @@ impl ReplayTlog {
                 name.display(),
                 actor.message_hash()
             );
+        }
+        if survey.flight.is_none() && account.counts_otherwise() {
+            return Err(miette!(
+                "{}: the recording counts its steps from another time than {}, whose step 0 begins at Unix time {} ms: is it the \
+                 mission that was flown?",
+                self.file.display(),
+                self.mission.display(),
+                mission.epoch_unix_ms
+            ));
         }
         self.tell(&survey, &account)?;
         if account.decisions == 0 && account.is_equal() {
@@ -136,8 +150,8 @@ impl ReplayTlog {
         }
         if self.json {
             let object = serde_json::json!({
-                "file": self.file, "uav": survey.id, "records": survey.records, "skipped_bytes": survey.skipped,
-                "cut": survey.cut, "equal_in_all": account.is_equal(), "account": account,
+                "file": self.file.to_string_lossy(), "uav": survey.id, "records": survey.records, "skipped_bytes": survey.skipped,
+                "cut": survey.cut, "mission_named": survey.flight.is_some(), "equal_in_all": account.is_equal(), "account": account,
             });
             println!("{}", serde_json::to_string_pretty(&object).into_diagnostic()?);
             return Ok(());

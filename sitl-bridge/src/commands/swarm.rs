@@ -2,15 +2,16 @@
 
 use super::actor_file::flight_ready;
 use super::common::{ActorArgs, Console, SigningArgs, TimingArgs, stop_flag};
-use super::fly::parting;
+use super::fly::{parting, recording};
+use super::mission;
 use super::sim::{Page, Simulation, WorldFlight, find_python};
 use super::view::{View, ViewMode};
 use crate::connection::{Address, Connection};
-use crate::mission::{Mission, PoiMap};
+use crate::mission::PoiMap;
 use crate::node::run::{Control, Links, Report, run};
 use crate::node::{Counters, FeedForward, Node, Settings, gate_limits};
 use crate::swarm_link::{SwarmAddress, SwarmSocket, system_of};
-use crate::tlog::TlogWriter;
+use crate::tlog::flight_folder;
 use covey_env::Scenario;
 use firmware_core::actor::{Actor, Mode};
 use firmware_core::gate::Limits;
@@ -134,12 +135,16 @@ impl Swarm {
     /// # Errors
     /// A file cannot be used or a link not be opened; the actor does not pass its self-test;
     /// the simulation fails.
-    pub fn run(self) -> Result<()> {
+    pub fn run(mut self) -> Result<()> {
         let stop = stop_flag()?;
         let (bytes, name) = self.actor.read().into_diagnostic()?;
         let actor = flight_ready(&bytes, &name).into_diagnostic()?;
-        if let Some(folder) = &self.tlog {
-            std::fs::create_dir_all(folder).into_diagnostic().wrap_err("the recordings have no folder")?;
+        if let Some(folder) = &mut self.tlog {
+            let fresh = flight_folder(folder).into_diagnostic().wrap_err("the recordings have no folder")?;
+            if fresh != *folder {
+                eprintln!("{} has recordings, which are kept: those of this flight go to {}", folder.display(), fresh.display());
+            }
+            *folder = fresh;
         }
         if self.sim { self.simulate(actor, &stop) } else { self.fly(actor, &stop) }
     }
@@ -197,7 +202,7 @@ impl Swarm {
 
     fn fly(self, actor: Actor<'_>, stop: &Arc<AtomicBool>) -> Result<()> {
         let Some(path) = &self.real.mission else { return Err(miette!("--mission is missing")) };
-        let mission = Arc::new(Mission::read(path).into_diagnostic()?);
+        let mission = Arc::new(mission::read(path)?);
         let pois = Arc::new(PoiMap::new(&mission.pois));
         let (autopilot_signing, swarm_signing) = self.signing.links()?;
         let base = if self.real.simulated { Limits::simulation() } else { Limits::default() };
@@ -288,8 +293,8 @@ impl Swarm {
             let autopilot = Connection::open(&address).into_diagnostic()?;
             let own = SwarmAddress::Peers { listen: (Ipv4Addr::LOCALHOST, 0).into(), peers: Vec::new() };
             let swarm = SwarmSocket::open(self.real.swarm.as_ref().unwrap_or(&own)).into_diagnostic()?;
-            let file = |folder: &PathBuf| TlogWriter::create(&folder.join(format!("uav-{id}.tlog")));
-            let tlog = self.tlog.as_ref().map(file).transpose().into_diagnostic()?;
+            let file = |folder: &PathBuf| recording(&folder.join(format!("uav-{id}.tlog")));
+            let tlog = self.tlog.as_ref().map(file).transpose()?;
             links.push(Links { autopilot, swarm: Some(swarm), tlog });
         }
         if self.real.swarm.is_none() {

@@ -6,6 +6,7 @@
 
 mod brain;
 mod interface;
+mod logbook;
 mod plan;
 mod record;
 pub mod run;

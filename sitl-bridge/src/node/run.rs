@@ -4,7 +4,7 @@ use super::{Counters, Decision, Node, Now, Order, Outbox, Status, StepBegun};
 use crate::autopilot::{Notice, Stage};
 use crate::connection::{Connection, RECEIVE_LEN, Received, Sent, wait};
 use crate::swarm_link::SwarmSocket;
-use crate::tlog::TlogWriter;
+use crate::tlog::{Note, TlogWriter};
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
@@ -104,12 +104,15 @@ pub fn run(
         error_ms: 0,
         epoch_ms: Control::OWN_EPOCH,
     };
+    turn.begin_recording(node, &mut links, control);
     while !control.stop.load(Ordering::Relaxed) {
-        turn.take_epoch(node, control);
-        control.orders.iter().flat_map(Receiver::try_iter).for_each(|order| node.obey(order));
+        turn.take_epoch(node, &mut links, control);
+        for order in control.orders.iter().flat_map(Receiver::try_iter) {
+            turn.obey(node, &mut links, order);
+        }
         turn.pass(node, &mut links)?;
     }
-    node.release(control.land);
+    turn.obey(node, &mut links, if control.land { Order::Land } else { Order::Release });
     let until = turn.now().wall_ms + LANDING_MS;
     loop {
         turn.pass(node, &mut links)?;
@@ -134,11 +137,35 @@ struct Turn<'r> {
 }
 
 impl Turn<'_> {
-    fn take_epoch(&mut self, node: &mut Node<'_>, control: &Control) {
+    /// What is flown, and from when steps are counted, stand at the beginning of a recording.
+    fn begin_recording(&self, node: &Node<'_>, links: &mut Links, control: &Control) {
+        if links.tlog.is_some() {
+            self.note(node, links, &Note::Flight(node.settings.flight()));
+            if control.epoch_ms.load(Ordering::Relaxed) == Control::OWN_EPOCH {
+                self.note(node, links, &Note::Epoch(Some(node.settings.mission.epoch_unix_ms)));
+            }
+        }
+    }
+
+    fn take_epoch(&mut self, node: &mut Node<'_>, links: &mut Links, control: &Control) {
         let epoch_ms = control.epoch_ms.load(Ordering::Relaxed);
         if epoch_ms != self.epoch_ms {
             self.epoch_ms = epoch_ms;
-            node.set_epoch((epoch_ms != Control::NO_EPOCH).then_some(epoch_ms));
+            let epoch_ms = (epoch_ms != Control::NO_EPOCH).then_some(epoch_ms);
+            self.note(node, links, &Note::Epoch(epoch_ms));
+            node.set_epoch(epoch_ms);
+        }
+    }
+
+    /// Orders stand in the recording, so that a replay can obey them too.
+    fn obey(&self, node: &mut Node<'_>, links: &mut Links, order: Order) {
+        self.note(node, links, &Note::Order(order));
+        node.obey(order);
+    }
+
+    fn note(&self, node: &Node<'_>, links: &mut Links, note: &Note) {
+        if let Some(tlog) = &mut links.tlog {
+            tlog.note(self.now().unix_us, node.settings.system, note);
         }
     }
 
