@@ -208,7 +208,10 @@ impl Convert {
         }
         // Also where the output is the input.
         if !self.force && self.output.exists() {
-            return Err(miette!("{} exists: name another file, or give --force to write over it", self.output.display()));
+            return Err(miette!(
+                "{} exists: name another file, or give --force to write over it",
+                self.output.display()
+            ));
         }
         if self.output.extension().is_some_and(|e| !e.eq_ignore_ascii_case("toml")) {
             eprintln!("note: {} is written as TOML whatever its name says", self.output.display());

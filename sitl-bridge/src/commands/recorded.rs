@@ -32,7 +32,9 @@ impl Recorded {
         };
         let flown = flight.get("limits").unwrap_or("flight");
         if let Some(kind) = kind.filter(|&kind| kind != flown) {
-            return Err(miette!("the recording says that it was flown as {flown}, and the options say {kind}: leave them out"));
+            return Err(miette!(
+                "the recording says that it was flown as {flown}, and the options say {kind}: leave them out"
+            ));
         }
         let recorded = recorded_timing(flight)
             .ok_or_else(|| miette!("the recording's own settings lack a time; is it from a later version?"))?;
@@ -72,7 +74,9 @@ fn recorded_timing(flight: &Flight) -> Option<Timing> {
 pub(super) fn check_mission(survey: &Survey, mission: &Mission, path: &Path, other: bool) -> Result<()> {
     let path = path.display();
     let Some(flown) = survey.flight.as_ref().and_then(|flight| flight.get("mission")) else {
-        eprintln!("warning: the recording, of an earlier version, does not say which mission was flown; {path} is taken for it");
+        eprintln!(
+            "warning: the recording, of an earlier version, does not say which mission was flown; {path} is taken for it"
+        );
         return Ok(());
     };
     let ours = hexadecimal(&mission.hash());

@@ -142,7 +142,11 @@ impl Swarm {
         if let Some(folder) = &mut self.tlog {
             let fresh = flight_folder(folder).into_diagnostic().wrap_err("the recordings have no folder")?;
             if fresh != *folder {
-                eprintln!("{} has recordings, which are kept: those of this flight go to {}", folder.display(), fresh.display());
+                eprintln!(
+                    "{} has recordings, which are kept: those of this flight go to {}",
+                    folder.display(),
+                    fresh.display()
+                );
             }
             *folder = fresh;
         }

@@ -2,23 +2,23 @@
 
 use super::drawing::{Drawing, Order, Spot};
 use super::error::{Fault, fault};
-use super::format::Format;
 use super::file::{AltitudeFile, Decide, FenceFile, MissionFile, Origin};
+use super::format::Format;
 use super::outline::{Shaped, shape};
 use super::plane::{OriginError, Plane, Scale, to_e7};
 use super::survey::{Poi, Survey};
 use super::{DEFAULT_MARGIN_U, Layers, Mission, square_fence};
 use covey_env::Scenario;
 use firmware_core::actor::Mode;
-use firmware_core::geometry::Vec2;
+use firmware_core::geometry::{TICKS_PER_U, Vec2};
 use firmware_core::neighbour_table::STEP_MS_LIMIT;
 
 /// Steps shorter than this leave no time for two messages, ms.
 const LEAST_STEP_MS: u16 = 200;
 /// Longest side of a map, m: well inside the plane's reach.
 pub(super) const LONGEST_SIDE_M: f64 = 10_000.0;
-/// A corner in u is refused beyond this, u.
-const FAR_U: f64 = 1e5;
+/// A corner in u is refused beyond this, u: more than the plane's reach at the least scale.
+const FAR_U: f64 = 2.5e5;
 
 /// A mission, and what its operator should know.
 #[derive(Debug)]
@@ -146,10 +146,9 @@ impl Check<'_> {
         self.within("altitude.layers", layers, 1, 1000)?;
         let highest_m = base_m + f64::from(layers - 1) * spacing_m;
         if highest_m > 1000.0 {
-            return Err(self.fault(
-                "altitude.layers",
-                format!("puts the highest layer at {highest_m} m; use 1000 m at most"),
-            ));
+            return Err(
+                self.fault("altitude.layers", format!("puts the highest layer at {highest_m} m; use 1000 m at most"))
+            );
         }
         Ok(Layers { base_m, spacing_m, count: layers })
     }
@@ -169,7 +168,9 @@ impl Check<'_> {
         for (i, &[lat, lon]) in file.pois_lat_lon.iter().enumerate() {
             let field = format!("pois_lat_lon[{i}]");
             let at = format!("{}{field}", self.prefix);
-            let spot = Drawing::new(Order::LatLon).spot(&at, lat, lon, None).map_err(|f| Fault { field: field.clone(), ..f })?;
+            let spot = Drawing::new(Order::LatLon)
+                .spot(&at, lat, lon, None)
+                .map_err(|f| Fault { field: field.clone(), ..f })?;
             let degrees = Degrees { at: &at, lat: spot.lat, lon: spot.lon, order: Order::LatLon };
             let place = self.lay(&degrees, plane, scale, true).map_err(|f| Fault { field: field.clone(), ..f })?;
             pois.push(Poi { at, field, place, alt_m: None });
@@ -197,7 +198,9 @@ impl Check<'_> {
                     return Err(self.fault(field, format!("has the corner ({x}, {y}) u, far off the map")));
                 }
             }
-            let corners = corners.iter().map(|&[x, y]| Mission::ticks_of_u(x, y)).collect::<Vec<_>>();
+            // Corners lie beyond the map too, where f32 has no place for each tick.
+            let ticks = |u: f64| (u * f64::from(TICKS_PER_U)).round() as i32;
+            let corners = corners.iter().map(|&[x, y]| Vec2::from_ticks(ticks(x), ticks(y))).collect::<Vec<_>>();
             (format!("{}{field}", self.prefix), field, corners)
         } else if let Some(corners) = polygon_lat_lon {
             let field = "fence.polygon_lat_lon";
@@ -220,7 +223,8 @@ impl Check<'_> {
             self.within("fence.margin_u", margin, 0.0, 1000.0)?;
             return Ok(Shaped { corners: square_fence(self.file.side_u, margin), notes: Vec::new() });
         };
-        let shaped = shape(&corners, scale, self.simplify).map_err(|problem| Fault { field: field.into(), ..fault(&at, problem) })?;
+        let shaped = shape(&corners, scale, self.simplify)
+            .map_err(|problem| Fault { field: field.into(), ..fault(&at, problem) })?;
         let notes = shaped.notes.iter().map(|note| format!("{at}: {note}")).collect();
         Ok(Shaped { corners: shaped.corners, notes })
     }
@@ -263,10 +267,19 @@ impl Check<'_> {
     fn altitudes(&self) -> Option<String> {
         let mut with = self.drawing.pois.iter().filter(|p| p.alt_m.is_some_and(|alt| alt != 0.0)).peekable();
         let first = with.peek()?.at.clone();
-        Some(format!("altitudes of points are not used ({} have one, {first} first): UAVs fly in their layers", with.count()))
+        Some(format!(
+            "altitudes of points are not used ({} have one, {first} first): UAVs fly in their layers",
+            with.count()
+        ))
     }
 
-    fn within<T: PartialOrd + std::fmt::Display + Copy>(&self, field: &str, value: T, low: T, high: T) -> Result<(), Fault> {
+    fn within<T: PartialOrd + std::fmt::Display + Copy>(
+        &self,
+        field: &str,
+        value: T,
+        low: T,
+        high: T,
+    ) -> Result<(), Fault> {
         if value >= low && value <= high {
             return Ok(());
         }

@@ -4,9 +4,20 @@ use super::drawing::{Drawing, Order};
 use super::error::{Fault, broken, fault};
 
 /// Names of columns, in lower case and without marks; the first that is there counts.
-const LATITUDE: [&str; 9] = ["latitude", "lat", "latdeg", "latitudedeg", "decimallatitude", "gpslatitude", "latwgs84", "ycoord", "y"];
+const LATITUDE: [&str; 9] =
+    ["latitude", "lat", "latdeg", "latitudedeg", "decimallatitude", "gpslatitude", "latwgs84", "ycoord", "y"];
 const LONGITUDE: [&str; 11] = [
-    "longitude", "lon", "lng", "long", "londeg", "longitudedeg", "decimallongitude", "gpslongitude", "lonwgs84", "xcoord", "x",
+    "longitude",
+    "lon",
+    "lng",
+    "long",
+    "londeg",
+    "longitudedeg",
+    "decimallongitude",
+    "gpslongitude",
+    "lonwgs84",
+    "xcoord",
+    "x",
 ];
 
 /// One row.
@@ -110,17 +121,24 @@ fn columns(names: &[&str]) -> Result<(usize, usize), Fault> {
 
 /// A row with more fields than there are columns: commas of another kind, most likely.
 fn refuse_wide(row: &Row, width: usize, is_header: bool, separator: char, at: &str) -> Result<(), Fault> {
-    let whole = |f: &String| f.trim().trim_start_matches('-').bytes().all(|b| b.is_ascii_digit()) && !f.trim().is_empty();
+    let whole =
+        |f: &String| f.trim().trim_start_matches('-').bytes().all(|b| b.is_ascii_digit()) && !f.trim().is_empty();
     if separator == ',' && row.fields.len() == 2 * width && row.fields.iter().take(4).all(whole) {
         return Err(fault(
             at,
-            format!("has {} numbers: decimal commas? Write 47.401, with a point, or export with the point", row.fields.len()),
+            format!(
+                "has {} numbers: decimal commas? Write 47.401, with a point, or export with the point",
+                row.fields.len()
+            ),
         ));
     }
     if !is_header {
         return Err(fault(
             at,
-            format!("has {} columns; with more than two a header tells which they are, such as `lat,lon,name`", row.fields.len()),
+            format!(
+                "has {} columns; with more than two a header tells which they are, such as `lat,lon,name`",
+                row.fields.len()
+            ),
         ));
     }
     Ok(())
@@ -149,7 +167,9 @@ fn has_comma(text: &str) -> bool {
 
 fn looks_like_number(text: &str) -> bool {
     let text = text.trim();
-    text.parse::<f64>().is_ok() || has_comma(text) || text.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '+')
+    text.parse::<f64>().is_ok()
+        || has_comma(text)
+        || text.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '+')
 }
 
 /// A column's name without case, marks and units.

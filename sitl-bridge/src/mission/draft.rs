@@ -290,8 +290,8 @@ impl Draft {
     /// Shows what to add.
     fn without_origin(&self) -> MissionError {
         let ([lat, lon], side_u) = self.laid_around(None).unwrap_or(([47.397_742, 8.545_594], 200.0));
-        let alt = self.drawing.home_alt_m.map_or_else(|| " --alt-m METRES".to_owned(), |_| String::new());
-        let convert = format!("sitl-bridge mission {}{alt}", self.convert());
+        let alt = if self.drawing.home_alt_m.is_some() { "convert" } else { "convert --alt-m METRES" };
+        let convert = format!("sitl-bridge mission {}", self.convert().replacen("convert", alt, 1));
         let problem = match self.format {
             Format::Toml => format!(
                 "missing field `origin`, the map's south-west corner. Add\n  origin = {{ lat = {lat}, lon = {lon}, alt_m = \

@@ -122,7 +122,9 @@ impl Drawing {
         if ends == Some(true) {
             return Err(fault(
                 at,
-                format!("is a {kind} that ends where it begins: if it is the fence, draw it as a Polygon; else remove it"),
+                format!(
+                    "is a {kind} that ends where it begins: if it is the fence, draw it as a Polygon; else remove it"
+                ),
             ));
         }
         self.notes.push(format!("{at} is a {kind} and not used: PoIs are points, and the fence is a Polygon"));

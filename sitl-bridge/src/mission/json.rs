@@ -1,8 +1,8 @@
 //! JSON texts, one or several, and what is said when they are broken.
 
 use super::error::{Fault, broken};
-use serde_json::{Deserializer, Value};
 use serde_json::error::Category;
+use serde_json::{Deserializer, Value};
 
 /// One JSON value of a file.
 #[derive(Debug)]
@@ -47,7 +47,10 @@ fn explain(error: &serde_json::Error, text: &str) -> String {
     let there = line.get(start..).unwrap_or_default();
     let hint = if error.classify() == Category::Eof {
         "; the file ends too early: was it cut off?"
-    } else if ["NaN", "nan", "Infinity", "inf", "-Infinity", "-NaN", "-nan", "-inf"].iter().any(|n| there.starts_with(n)) {
+    } else if ["NaN", "nan", "Infinity", "inf", "-Infinity", "-NaN", "-nan", "-inf"]
+        .iter()
+        .any(|n| there.starts_with(n))
+    {
         "; JSON has no NaN and no infinity: a number is missing there, so remove the feature or give it a place"
     } else if there.starts_with('\'') || line.get(column..).is_some_and(|rest| rest.starts_with('\'')) {
         "; JSON writes its texts in double quotes"

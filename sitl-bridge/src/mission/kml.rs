@@ -40,7 +40,9 @@ pub(super) fn read(text: &str) -> Result<Drawing, Fault> {
                 drawing.line(&at, name, Some(ends || name == "LinearRing"))?;
             }
             "NetworkLink" => {
-                drawing.notes.push(format!("{} is a link to another file and not followed: export the places themselves", at()));
+                drawing
+                    .notes
+                    .push(format!("{} is a link to another file and not followed: export the places themselves", at()));
             }
             _ if OVERLAYS.contains(&name) => drawing.notes.push(format!("{} is a {name} and not used", at())),
             _ => {}
@@ -79,13 +81,16 @@ fn polygon(drawing: &mut Drawing, node: Node<'_, '_>, at: &str) -> Result<(), Fa
 
 /// The altitude counts from the sea only where the shape says so.
 fn altitude(node: Node<'_, '_>, written: &Written) -> Option<f64> {
-    let absolute = node.children().any(|c| c.tag_name().name() == "altitudeMode" && c.text().map(str::trim) == Some("absolute"));
+    let absolute =
+        node.children().any(|c| c.tag_name().name() == "altitudeMode" && c.text().map(str::trim) == Some("absolute"));
     written.alt_m.filter(|_| absolute)
 }
 
 /// `longitude,latitude[,altitude]`, with white space between positions.
 fn positions(node: Node<'_, '_>, at: &str) -> Result<Vec<Written>, Fault> {
-    let Some(element) = node.descendants().find(|n| n.tag_name().name() == "coordinates") else { return Ok(Vec::new()) };
+    let Some(element) = node.descendants().find(|n| n.tag_name().name() == "coordinates") else {
+        return Ok(Vec::new());
+    };
     let text: String = element.children().filter_map(|child| child.text()).collect();
     let mut positions = Vec::new();
     for tuple in text.split_whitespace() {
@@ -128,7 +133,9 @@ mod tests {
     use super::*;
 
     fn read(placemarks: &str) -> Result<Drawing, String> {
-        let text = format!("<?xml version=\"1.0\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document>\n{placemarks}\n</Document></kml>");
+        let text = format!(
+            "<?xml version=\"1.0\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document>\n{placemarks}\n</Document></kml>"
+        );
         super::read(&text).map_err(|f| f.problem)
     }
 
@@ -153,7 +160,12 @@ mod tests {
     fn what_cannot_be_used_is_named() {
         let ring = "<LinearRing><coordinates>8.5,47.4 8.51,47.4 8.51,47.41 8.5,47.4</coordinates></LinearRing>";
         for (placemarks, words) in [
-            (format!("<Placemark><Polygon><outerBoundaryIs>{ring}</outerBoundaryIs><innerBoundaryIs>{ring}</innerBoundaryIs></Polygon></Placemark>"), "with a hole"),
+            (
+                format!(
+                    "<Placemark><Polygon><outerBoundaryIs>{ring}</outerBoundaryIs><innerBoundaryIs>{ring}</innerBoundaryIs></Polygon></Placemark>"
+                ),
+                "with a hole",
+            ),
             ("<Placemark><Polygon/></Placemark>".into(), "without corners"),
             (format!("<Placemark>{ring}</Placemark>"), "draw it as a Polygon"),
             ("<Point><coordinates>8.5, 47.4</coordinates></Point>".into(), "`8.5,`; KML writes longitude,latitude"),

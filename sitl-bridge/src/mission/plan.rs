@@ -16,7 +16,9 @@ pub(super) fn read(text: &str) -> Result<Drawing, Fault> {
     let plan = &record.value;
     if plan.get("fileType").and_then(Value::as_str) != Some("Plan") {
         let kind = plan.get("fileType").map_or_else(|| "missing".into(), named);
-        return Err(broken(format!("its fileType is {kind}; a plan's is \"Plan\" (File, Save in QGroundControl's Plan view)")));
+        return Err(broken(format!(
+            "its fileType is {kind}; a plan's is \"Plan\" (File, Save in QGroundControl's Plan view)"
+        )));
     }
     let mut drawing = Drawing::new(Order::LatLon);
     drawing.home_alt_m = plan.pointer("/mission/plannedHomePosition/2").and_then(Value::as_f64);
@@ -36,7 +38,9 @@ fn items(drawing: &mut Drawing, plan: &Value) -> Result<(), Fault> {
         let at = format!("mission.items[{i}]");
         if item.get("type").and_then(Value::as_str) == Some("ComplexItem") {
             let kind = item.get("complexItemType").and_then(Value::as_str).unwrap_or("pattern");
-            drawing.notes.push(format!("{at} is a {kind} and not used: PoIs are points, and the swarm finds its own way"));
+            drawing
+                .notes
+                .push(format!("{at} is a {kind} and not used: PoIs are points, and the swarm finds its own way"));
             continue;
         }
         let Some(command) = item.get("command").and_then(Value::as_u64) else {
@@ -105,7 +109,10 @@ fn polygons(drawing: &mut Drawing, plan: &Value) -> Result<(), Fault> {
 }
 
 pub(super) fn keep_out(at: &str) -> Fault {
-    fault(at, "is an exclusion, and a mission knows no area inside its fence to keep out of: draw the fence around it, or remove it")
+    fault(
+        at,
+        "is an exclusion, and a mission knows no area inside its fence to keep out of: draw the fence around it, or remove it",
+    )
 }
 
 fn corners_of(drawing: &mut Drawing, corners: &[Value], at: &str) -> Result<Vec<Spot>, Fault> {
@@ -171,14 +178,17 @@ mod tests {
         assert_eq!(at, [("mission.items[1]", 47.401), ("mission.items[2]", 47.402)]);
         assert_eq!((drawing.fence.as_ref().unwrap().corners.len(), drawing.home_alt_m), (3, Some(412.5)));
         let notes = drawing.notes.join("\n");
-        for words in ["2 waypoints are taken", "MAV_CMD 20, 22", "items[3] is a waypoint without a place", "survey", "1 rally"] {
+        for words in
+            ["2 waypoints are taken", "MAV_CMD 20, 22", "items[3] is a waypoint without a place", "survey", "1 rally"]
+        {
             assert!(notes.contains(words), "{words}: {notes}");
         }
     }
 
     #[test]
     fn circles_are_drawn_and_exclusions_refused() {
-        let circle = |inclusion: bool| json!([{"inclusion": inclusion, "circle": {"center": [47.4, 8.5], "radius": 100.0}}]);
+        let circle =
+            |inclusion: bool| json!([{"inclusion": inclusion, "circle": {"center": [47.4, 8.5], "radius": 100.0}}]);
         let drawing = read(&plan(&json!([]), &circle(true))).unwrap();
         assert_eq!(drawing.fence.unwrap().corners.len(), 16);
         assert!(read(&plan(&json!([]), &circle(false))).unwrap_err().problem.contains("is an exclusion"));

@@ -97,7 +97,11 @@ impl Survey {
                 (n, m) if n == m => format!("they can be covered from inside, within {covers_m} m"),
                 (n, _) => format!("{n} of them can be covered from inside, within {covers_m} m"),
             };
-            warnings.push(format!("{} outside the fence, where no UAV flies; {reach}: {}", lie(outside.len(), all), some(&outside, in_u)));
+            warnings.push(format!(
+                "{} outside the fence, where no UAV flies; {reach}: {}",
+                lie(outside.len(), all),
+                some(&outside, in_u)
+            ));
         }
         if !near.is_empty() {
             warnings.push(format!(

@@ -21,7 +21,9 @@ pub(super) fn read(text: &str) -> Result<Drawing, Fault> {
     match head.strip_prefix("QGC WPL").map(str::trim) {
         Some("110") => {}
         Some(version) => {
-            return Err(broken(format!("it is version `{version}` of the list; save it as 110, which all planners write")));
+            return Err(broken(format!(
+                "it is version `{version}` of the list; save it as 110, which all planners write"
+            )));
         }
         None => return Err(broken("a waypoint list begins with `QGC WPL 110`")),
     }
@@ -83,7 +85,10 @@ impl Item {
     fn read(line: &str, at: &str) -> Result<Self, Fault> {
         let fields: Vec<_> = line.split_whitespace().collect();
         if fields.len() != COLUMNS {
-            return Err(fault(at, format!("has {} columns; a waypoint has {COLUMNS}, with tabs between", fields.len())));
+            return Err(fault(
+                at,
+                format!("has {} columns; a waypoint has {COLUMNS}, with tabs between", fields.len()),
+            ));
         }
         let number = |i: usize| {
             fields[i].parse::<f64>().map_err(|_| {
@@ -119,7 +124,8 @@ mod tests {
         assert_eq!((drawing.home_alt_m, drawing.pois[0].at.as_str()), (Some(412.5), "line 4"));
         assert!(drawing.notes.join("\n").contains("MAV_CMD 22"), "{:?}", drawing.notes);
         let corner = |n: u32, lat: f64, lon: f64| format!("{n} 0 0 5001 3 0 0 0 {lat} {lon} 0 1\n");
-        let fence = ["QGC WPL 110\n".into(), corner(1, 47.4, 8.5), corner(2, 47.4, 8.51), corner(3, 47.41, 8.5)].concat();
+        let fence =
+            ["QGC WPL 110\n".into(), corner(1, 47.4, 8.5), corner(2, 47.4, 8.51), corner(3, 47.41, 8.5)].concat();
         assert_eq!(read(&fence).unwrap().fence.unwrap().corners.len(), 3);
         for (more, words) in [
             (corner(4, 47.4, 8.5), "line 5 begins a second fence"),

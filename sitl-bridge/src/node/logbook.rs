@@ -9,8 +9,7 @@ impl Settings<'_> {
     /// The settings that decisions depend on, for the recording.
     #[must_use]
     pub fn flight(&self) -> Flight {
-        let kinds =
-            [("flight", Limits::default()), ("simulation", Limits::simulation()), ("ideal", Limits::ideal())];
+        let kinds = [("flight", Limits::default()), ("simulation", Limits::simulation()), ("ideal", Limits::ideal())];
         let limits = kinds.into_iter().find(|(_, base)| gate_limits(*base, &self.mission) == self.limits);
         let hash = self.mission.hash().iter().fold(String::new(), |mut hash, byte| {
             let _ = write!(hash, "{byte:02x}");

@@ -3,7 +3,7 @@
 use super::Foreign;
 use crate::frame::Frame;
 use crate::swarm_link::{COMPONENT, MESSAGE_TYPE, system_of};
-use crate::tlog::{Flight, Note, NOTE_COMPONENT, NoteReader, Record, TlogReader};
+use crate::tlog::{Flight, NOTE_COMPONENT, Note, NoteReader, Record, TlogReader};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Read};
 use thiserror::Error;
@@ -36,7 +36,9 @@ pub enum SurveyError {
     )]
     Times(&'static str),
     /// Two recordings are in one file.
-    #[error("{flights} flights of the node are in it, one behind the other: cut it apart where the notes `covey flight` are")]
+    #[error(
+        "{flights} flights of the node are in it, one behind the other: cut it apart where the notes `covey flight` are"
+    )]
     SeveralFlights {
         /// How many.
         flights: u64,
@@ -109,10 +111,12 @@ pub enum Role {
 
 fn in_words(foreign: Foreign) -> String {
     match foreign {
-        Foreign::Stream => "it is a stream of MAVLink frames without times, as it was on the wire (MAVProxy's `.tlog.raw` is \
+        Foreign::Stream => {
+            "it is a stream of MAVLink frames without times, as it was on the wire (MAVProxy's `.tlog.raw` is \
                             one): a replay needs to know when each frame came. Take the `.tlog`, as `fly --tlog` or \
                             `swarm --tlog` records it"
-            .into(),
+                .into()
+        }
         Foreign::Other(kind) => format!("it is {kind} and no tlog, as `fly --tlog` or `swarm --tlog` records it"),
     }
 }

@@ -25,7 +25,9 @@ impl RecordingFile {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
                 // A pipe to another program keeps nothing that could be lost.
                 match path.metadata() {
-                    Ok(data) if !data.is_file() && !data.is_dir() => Ok(Self(OpenOptions::new().write(true).open(path)?)),
+                    Ok(data) if !data.is_file() && !data.is_dir() => {
+                        Ok(Self(OpenOptions::new().write(true).open(path)?))
+                    }
                     _ => Err(error),
                 }
             }

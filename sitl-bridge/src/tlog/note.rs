@@ -109,7 +109,8 @@ impl Note {
     /// The frames of a note. `number` tells the notes of a recording apart and is not 0.
     pub(super) fn frames(&self, encoder: &mut Encoder, number: u16) -> Vec<Frame> {
         // Names and values are ASCII; a longer text is cut.
-        let text: String = self.to_string().chars().filter(char::is_ascii).take(CHUNK * usize::from(MAX_CHUNKS)).collect();
+        let text: String =
+            self.to_string().chars().filter(char::is_ascii).take(CHUNK * usize::from(MAX_CHUNKS)).collect();
         let mut frames = Vec::new();
         let mut chunks: Vec<&[u8]> = text.as_bytes().chunks(CHUNK).collect();
         if text.len().is_multiple_of(CHUNK) && text.len() < CHUNK * usize::from(MAX_CHUNKS) {

@@ -40,7 +40,7 @@ fn is_wgs84(name: &str) -> bool {
     match parts.as_slice() {
         ["crs84"] | ["crs" | "ogc", "84" | "crs84"] | ["wgs84"] | ["wgs", "84"] | ["4326"] => true,
         [.., last] => {
-            let has = |word: &str| parts.iter().any(|part| *part == word);
+            let has = |word: &str| parts.contains(&word);
             (*last == "crs84" && has("ogc")) || (*last == "4326" && (has("epsg") || has("epsg.xml")))
         }
         [] => false,

@@ -36,7 +36,10 @@ pub(super) fn draw(drawing: &mut Drawing, object: &Map<String, Value>, at: &str)
                 }
                 Some(Value::Array(coordinates)) => coordinates,
                 Some(other) => {
-                    return Err(fault(at, format!("has {} for its coordinates; they are an array", json::named(other))));
+                    return Err(fault(
+                        at,
+                        format!("has {} for its coordinates; they are an array", json::named(other)),
+                    ));
                 }
             };
             coordinates_of(drawing, kind, coordinates, at)
@@ -87,7 +90,9 @@ fn polygon(drawing: &mut Drawing, rings: &[Value], at: &str) -> Result<(), Fault
         let holes = if holes == 1 { "a hole".to_owned() } else { format!("{holes} holes") };
         return Err(fault(
             at,
-            format!("is a polygon with {holes}, and a fence has none: remove the inner rings, or draw the fence around them"),
+            format!(
+                "is a polygon with {holes}, and a fence has none: remove the inner rings, or draw the fence around them"
+            ),
         ));
     }
     let mut corners: Vec<Spot> = Vec::new();
@@ -117,7 +122,9 @@ fn array<'v>(value: &'v Value, at: &str) -> Result<&'v [Value], Fault> {
     match value {
         Value::Array(values) => Ok(values),
         Value::Number(_) => Err(fault(at, "has a number where a position belongs: write [longitude, latitude]")),
-        other => Err(fault(at, format!("has {} where a position belongs: write [longitude, latitude]", json::named(other)))),
+        other => {
+            Err(fault(at, format!("has {} where a position belongs: write [longitude, latitude]", json::named(other))))
+        }
     }
 }
 

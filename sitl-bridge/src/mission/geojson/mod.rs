@@ -7,7 +7,6 @@
 mod crs;
 mod geometry;
 
-
 use super::drawing::{Drawing, Order};
 use super::error::{Fault, broken, fault};
 use super::file::MissionFile;
@@ -65,7 +64,10 @@ fn document(drawing: &mut Drawing, object: &Map<String, Value>, at: &str) -> Res
         "FeatureCollection" => {
             crs::check(object, at)?;
             let features = object.get("features").ok_or_else(|| {
-                broken(format!("{}a FeatureCollection has a member `features`, an array, and this one has none", lead(at)))
+                broken(format!(
+                    "{}a FeatureCollection has a member `features`, an array, and this one has none",
+                    lead(at)
+                ))
             })?;
             let Value::Array(features) = features else {
                 return Err(fault(&within("features".into()), format!("is {}; it is an array", json::named(features))));
@@ -90,7 +92,9 @@ fn feature(drawing: &mut Drawing, object: &Map<String, Value>, at: &str) -> Resu
         let advice = if kind == "FeatureCollection" {
             "collections do not stand in collections: take its features out".to_owned()
         } else {
-            format!("wrap it: {{\"type\": \"Feature\", \"properties\": {{}}, \"geometry\": {{\"type\": \"{kind}\", ...}}}}")
+            format!(
+                "wrap it: {{\"type\": \"Feature\", \"properties\": {{}}, \"geometry\": {{\"type\": \"{kind}\", ...}}}}"
+            )
         };
         return Err(fault(at, format!("is a {kind}, and features are a Feature each; {advice}")));
     }
@@ -101,7 +105,9 @@ fn feature(drawing: &mut Drawing, object: &Map<String, Value>, at: &str) -> Resu
             Ok(())
         }
         Some(Value::Object(geometry)) => geometry::draw(drawing, geometry, at),
-        Some(other) => Err(fault(&format!("{at}.geometry"), format!("is {}; it is an object or null", json::named(other)))),
+        Some(other) => {
+            Err(fault(&format!("{at}.geometry"), format!("is {}; it is an object or null", json::named(other))))
+        }
     }
 }
 
@@ -110,7 +116,9 @@ fn kind<'o>(object: &'o Map<String, Value>, at: &str) -> Result<&'o str, Fault> 
     let place = lead(at);
     let kind = match object.get("type") {
         Some(Value::String(kind)) => kind.as_str(),
-        Some(other) => return Err(broken(format!("{place}`type` is {}; it is a text such as \"Feature\"", json::named(other)))),
+        Some(other) => {
+            return Err(broken(format!("{place}`type` is {}; it is a text such as \"Feature\"", json::named(other))));
+        }
         None => {
             let cased = object.keys().find(|key| key.eq_ignore_ascii_case("type"));
             let hint = cased.map(|key| format!(" (`{key}` is written `type`)")).unwrap_or_default();
@@ -124,7 +132,9 @@ fn kind<'o>(object: &'o Map<String, Value>, at: &str) -> Result<&'o str, Fault> 
     let near = all().find(|known| known.eq_ignore_ascii_case(kind.trim()));
     Err(broken(match near {
         Some(known) => format!("{place}the type \"{kind}\" is written \"{known}\": upper and lower case count"),
-        None => format!("{place}\"{kind}\" is no type of GeoJSON; PoIs are Point or MultiPoint, the fence is a Polygon"),
+        None => {
+            format!("{place}\"{kind}\" is no type of GeoJSON; PoIs are Point or MultiPoint, the fence is a Polygon")
+        }
     }))
 }
 
