@@ -166,7 +166,7 @@ impl WriteWorld {
 
 impl CheckMission {
     fn run(self) -> Result<()> {
-        let loaded = Loaded::read(&self.file).into_diagnostic()?;
+        let loaded = finish(&self.file, Draft::read(&self.file).into_diagnostic()?)?;
         let Loaded { mission, format, remarks } = &loaded;
         let (lat, lon) = mission.plane.origin_degrees();
         let alt_m = f64::from(mission.plane.alt_mm) / 1000.0;
@@ -197,7 +197,7 @@ impl Convert {
     fn run(self) -> Result<()> {
         let mut draft = Draft::read(&self.input).into_diagnostic()?;
         draft.fill(&self.given.given());
-        let loaded = draft.finish().into_diagnostic()?;
+        let loaded = finish(&self.input, draft)?;
         tell(&self.input, &loaded);
         let name = self.input.file_name().unwrap_or_default().to_string_lossy();
         let title = format!("Made of {}", name.chars().filter(|c| !c.is_control()).collect::<String>());
@@ -221,6 +221,14 @@ impl Convert {
         eprint!("{}", describe(&self.output, &loaded));
         Ok(())
     }
+}
+
+/// Checks a mission; what was read of one that is refused is said too.
+fn finish(path: &Path, draft: Draft) -> Result<Loaded> {
+    let notes: Vec<String> = draft.notes().map(str::to_owned).collect();
+    draft.finish().into_diagnostic().inspect_err(|_| {
+        notes.iter().for_each(|note| eprintln!("note: mission {}: {note}", path.display()));
+    })
 }
 
 /// What was read, for people.

@@ -1,6 +1,6 @@
 //! From what is written to a mission that can be flown.
 
-use super::drawing::{Drawing, Order, Spot};
+use super::drawing::{Drawing, Order, Spot, turned_back};
 use super::error::{Fault, fault};
 use super::file::{AltitudeFile, Decide, FenceFile, MissionFile, Origin};
 use super::format::Format;
@@ -66,7 +66,9 @@ impl Check<'_> {
 
     fn mission(&self, origin: Origin) -> Result<Checked, Fault> {
         let file = self.file;
-        let plane = Plane::new(origin.lat, origin.lon, origin.alt_m).map_err(|e| match e {
+        let is_turned = origin.lon.abs() > 180.0 && origin.lon.abs() <= 360.0;
+        let lon = if is_turned { turned_back(origin.lon) } else { origin.lon };
+        let plane = Plane::new(origin.lat, lon, origin.alt_m).map_err(|e| match e {
             OriginError::Latitude(_) => self.fault("origin.lat", format!("is the {e}")),
             OriginError::Longitude(_) => self.fault("origin.lon", format!("is the {e}")),
             OriginError::Altitude(_) => self.fault("origin.alt_m", format!("is the {e}")),
@@ -107,6 +109,7 @@ impl Check<'_> {
         }
         let warnings = survey.warnings(&mission);
         mission.pois = survey.on_map.iter().map(|poi| poi.place).collect();
+        notes.extend(is_turned.then(|| format!("{}origin.lon: {} is {lon}", self.prefix, origin.lon)));
         notes.extend(self.altitudes());
         Ok(Checked { mission, notes, warnings })
     }
@@ -240,27 +243,33 @@ impl Check<'_> {
             return Ok(place);
         }
         let words = order.words(lat, lon);
-        if (-90.0..=90.0).contains(&lon) && on_plane(plane, scale, lon, lat).is_some_and(|p| on_map(&p)) {
+        let swapped = on_plane(plane, scale, lon, lat).filter(|p| place.is_none() || on_map(p));
+        if swapped.is_some() {
+            // Where nothing else lies near it, it may be the origin that is wrong.
+            let where_from = if self.is_near(plane) { "" } else { ", here or in the origin" };
+            let rule = order.rule();
             let problem = format!(
-                "is at {words}, far off the map, and on it when swapped: latitude and longitude are swapped; {}",
-                order.rule()
+                "is at {words}, far off the map, and near when swapped: latitude and longitude are swapped{where_from}; {rule}"
             );
             return Err(fault(at, problem));
         }
         place.ok_or_else(|| {
             let (olat, olon) = plane.origin_degrees();
-            let hint = match Plane::new(olon, olat, 0.0) {
-                Ok(swapped) if on_plane(&swapped, scale, lat, lon).is_some() => {
-                    "; the origin's lat and lon look swapped"
-                }
-                _ => "",
-            };
             let km = distance_km([lat, lon], [olat, olon]);
             let problem = format!(
-                "is at {words}, {km:.0} km from the origin at latitude {olat}, longitude {olon}; 20 km is the limit{hint}"
+                "is at {words}, {km:.0} km from the origin at latitude {olat}, longitude {olon}; 20 km is the limit"
             );
             fault(at, problem)
         })
+    }
+
+    /// Whether any position in degrees lies near the origin.
+    fn is_near(&self, plane: &Plane) -> bool {
+        let corners = self.drawing.fence.iter().flat_map(|fence| &fence.corners);
+        let drawn = self.drawing.pois.iter().chain(corners).map(|spot| [spot.lat, spot.lon]);
+        let listed = self.file.pois_lat_lon.iter().chain(self.file.fence.polygon_lat_lon.iter().flatten()).copied();
+        let scale = Scale { unit_m: 1.0, step_ms: LEAST_STEP_MS };
+        drawn.chain(listed).any(|[lat, lon]| on_plane(plane, scale, lat, lon).is_some())
     }
 
     /// A word on altitudes, which a mission does not use.

@@ -242,6 +242,11 @@ impl Draft {
         Some(([corner(lat, high, METRES), lon], side))
     }
 
+    /// What was read otherwise than it stands there, so far.
+    pub fn notes(&self) -> impl Iterator<Item = &str> {
+        self.drawing.notes.iter().chain(&self.notes).map(String::as_str)
+    }
+
     /// Checks it all.
     ///
     /// # Errors

@@ -4,6 +4,9 @@ use super::error::{Fault, broken};
 use firmware_core::neighbour_table::DEFAULT_STEP_MS;
 use serde::{Deserialize, Serialize};
 
+/// Longer lines are not shown in errors, characters.
+const LONGEST_LINE: usize = 200;
+
 /// A mission as it is written. `docs/mission.md` tells each field.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -91,7 +94,7 @@ pub(super) struct FenceFile {
 
 impl MissionFile {
     pub(super) fn from_toml(text: &str) -> Result<Self, Fault> {
-        toml::from_str(text).map_err(|e| broken(e.to_string().trim_end()))
+        toml::from_str(text).map_err(|e| broken(explain(&e, text)))
     }
 
     /// From the member `covey` of a JSON document.
@@ -102,6 +105,16 @@ impl MissionFile {
             broken(format!("{place}: {}", e.into_inner()))
         })
     }
+}
+
+/// An error as the parser draws it, unless the line is too long to be shown.
+fn explain(error: &toml::de::Error, text: &str) -> String {
+    let drawn = error.to_string();
+    if drawn.lines().all(|line| line.chars().count() <= LONGEST_LINE) {
+        return drawn.trim_end().to_owned();
+    }
+    let (line, column) = super::text::place(text.as_bytes(), error.span().map_or(0, |span| span.start));
+    format!("TOML parse error at line {line}, column {column}: {}", error.message())
 }
 
 /// The line of a field like `altitude.base_m` or `pois_u[3]` in TOML, from 1.

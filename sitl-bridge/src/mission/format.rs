@@ -69,8 +69,14 @@ impl Format {
         match text.as_bytes() {
             [b'{' | 0x1E, ..] => return of_json(text),
             [b'<', ..] => return of_xml(text),
-            [b'[', ..] if text[1..].trim_start().starts_with(['{', '[', '"', ']']) && !text.starts_with("[[") => {
-                return Content::Is(Self::GeoJson);
+            // A header of TOML is a name in one pair of brackets or in two.
+            [b'[', ..] => {
+                let inner = text.trim_start_matches(|c: char| c == '[' || c.is_whitespace());
+                let depth = text.len() - inner.len();
+                let is_json = inner.starts_with(|c: char| "{]-".contains(c) || c.is_ascii_digit());
+                if is_json || depth > 2 || (depth == 1 && inner.starts_with('"')) {
+                    return Content::Is(Self::GeoJson);
+                }
             }
             _ => {}
         }
@@ -161,6 +167,8 @@ mod tests {
             ("  {\"type\": \"Feature\"}", Content::Is(Format::GeoJson)),
             ("\u{1e}{\"type\": \"Feature\"}", Content::Is(Format::GeoJson)),
             ("[{\"type\": \"Feature\"}]", Content::Is(Format::GeoJson)),
+            ("[[8.5, 47.4]]", Content::Is(Format::GeoJson)),
+            ("[[[", Content::Is(Format::GeoJson)),
             ("{\"fileType\": \"Plan\"}", Content::Is(Format::Plan)),
             ("{\"fileType\": \"Plan\", ", Content::Is(Format::Plan)),
             ("<?xml version=\"1.0\"?><!-- a > b --><kml>", Content::Is(Format::Kml)),

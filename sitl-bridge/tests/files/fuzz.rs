@@ -9,8 +9,8 @@ use sitl_bridge::frame::Encoder;
 use std::fs;
 use std::path::PathBuf;
 
-/// Inputs made of a target's corpus in a run of the tests.
-const MADE: u32 = 5_000;
+/// Inputs made of a target's corpus in a run of the tests; COVEY_FUZZ_INPUTS asks for more.
+const MADE: u32 = 20_000;
 
 fn corpus(target: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus").join(target)
@@ -35,7 +35,8 @@ fn run(target: &str, check: fn(&[u8])) {
     assert!(!inputs.is_empty());
     inputs.iter().for_each(|input| check(input));
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
-    for made in 0..MADE {
+    let asked = std::env::var("COVEY_FUZZ_INPUTS").ok().and_then(|text| text.parse().ok());
+    for made in 0..asked.unwrap_or(MADE) {
         let input = changed(&inputs, &mut random);
         check(&input);
         // Some are changed further.

@@ -122,6 +122,9 @@ fn what_cannot_be_used_is_named_with_its_place_and_the_way_out() {
         ),
         (geometry("Point", r#"["8,501","47,401"]"#), &["write 8.501 without quotes and with a point"]),
         (geometry("Point", "[[8.501,47.401]]"), &["features[1]", "a pair of brackets too many"]),
+        (geometry("Polygon", &format!("[{RING}]")), &["features[1] lacks a pair of brackets"]),
+        (geometry("Polygon", &format!("[[[{RING}]]]")), &["features[1] corner 0", "a pair of brackets too many"]),
+        (geometry("MultiPolygon", &format!("[[{RING}]]")), &["features[1] lacks a pair of brackets"]),
         (
             geometry("MultiPoint", "[8.501,47.401]"),
             &["features[1] coordinates[0] has a number where a position belongs"],

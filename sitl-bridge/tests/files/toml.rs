@@ -33,7 +33,7 @@ fn errors_name_the_field_the_line_and_the_way_out() {
             "[fence]\npolygon_u = [[0,0],[50,50],[50,0],[0,50]]",
             &["line 4", "the edges after corners 0 and 2 touch or cross"],
         ),
-        ("[fence]\npolygon_u = [[0,0],[0,0],[50,50],[50,0],[0,50]]", &["after corners 1 and 3 touch or cross"]),
+        ("[fence]\npolygon_u = [[0,0],[0,0],[50,50],[50,0],[0,50]]", &["after corners 0 and 3 touch or cross"]),
         ("[fence]\npolygon_u = [[0,0],[100,1],[100,2]]", &["line 4", "corner 0 is sharper than 30°"]),
         ("[fence]\npolygon_lat_lon = [[47.4,8.5],[8.51,47.41],[47.41,8.5]]", &["line 4", "are swapped"]),
         ("pois_lat_lon = [\n [47.4, 8.5],\n [8.5, 47.4]]", &["line 5", "pois_lat_lon[1]", "the latitude comes first"]),
@@ -51,11 +51,15 @@ fn errors_name_the_field_the_line_and_the_way_out() {
     }
     assert!(refused("m.toml", "pois_u = [[1, 2]]").contains("missing field `origin`"));
     assert!(refused("m.toml", "pois_u = [[1, 2]]").contains("origin = { lat = "));
-    assert!(refused("m.toml", SOUND.replace("8.5", "190.5")).contains("line 1: origin.lon is the longitude 190.5"));
+    assert!(refused("m.toml", SOUND.replace("8.5", "999.5")).contains("line 1: origin.lon is the longitude 999.5"));
+    let (turned, said) = loaded("m.toml", SOUND.replace("8.5", "368.5"));
+    assert_eq!((turned, said.as_str()), (loaded("m.toml", SOUND).0, "note: origin.lon: 368.5 is 8.5"));
+    let long = refused("m.toml", format!("a = [{}", "1, ".repeat(1000)));
+    assert!(long.contains("TOML parse error at line 1") && long.len() < 300, "{long}");
     assert!(refused("m.toml", SOUND.replace("pois_u", "# ")).contains("both empty"));
     assert!(refused("m.toml", SOUND.replace("[3, 4]", "[3, nan]")).contains("pois_u[1] is at (3, NaN) u"));
     let swapped = SOUND.replace("lat = 47.4, lon = 8.5", "lat = 8.5, lon = 47.4") + "pois_lat_lon = [[47.401, 8.501]]";
-    assert!(refused("m.toml", swapped).contains("the origin's lat and lon look swapped"));
+    assert!(refused("m.toml", swapped).contains("swapped, here or in the origin"));
 }
 
 #[test]

@@ -85,6 +85,12 @@ fn coordinates_of(drawing: &mut Drawing, kind: &str, coordinates: &[Value], at: 
 fn polygon(drawing: &mut Drawing, rings: &[Value], at: &str) -> Result<(), Fault> {
     let is_drawn = |ring: &&Value| ring.as_array().is_none_or(|ring| !ring.is_empty());
     let Some(outer) = rings.first().filter(is_drawn) else { return Err(no_corners(at, "Polygon")) };
+    if outer.get(0).is_some_and(Value::is_number) {
+        return Err(fault(
+            at,
+            "lacks a pair of brackets: a polygon's coordinates are rings of positions, [[[longitude, latitude], ...]]",
+        ));
+    }
     let holes = rings[1..].iter().filter(is_drawn).count();
     if holes > 0 {
         let holes = if holes == 1 { "a hole".to_owned() } else { format!("{holes} holes") };
@@ -150,6 +156,7 @@ fn position(numbers: &[Value], at: &str) -> Result<(f64, f64, Option<f64>), Faul
             let (lon, lat) = (number(lon)?, number(lat)?);
             Ok((lat, lon, rest.first().and_then(Value::as_f64)))
         }
+        [Value::Array(_)] => Err(fault(at, "has a pair of brackets too many around its position")),
         short => {
             let numbers = if short.len() == 1 { "1 number".to_owned() } else { format!("{} numbers", short.len()) };
             Err(fault(at, format!("has a position of {numbers}; give longitude and latitude")))
