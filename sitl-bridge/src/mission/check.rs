@@ -1,6 +1,6 @@
 //! From what is written to a mission that can be flown.
 
-use super::drawing::{Drawing, Order, Spot, turned_back};
+use super::drawing::{Drawing, FARTHEST_LON, Order, Spot, turned_back};
 use super::error::{Fault, fault};
 use super::file::{AltitudeFile, Decide, FenceFile, MissionFile, Origin};
 use super::format::Format;
@@ -66,7 +66,7 @@ impl Check<'_> {
 
     fn mission(&self, origin: Origin) -> Result<Checked, Fault> {
         let file = self.file;
-        let is_turned = origin.lon.abs() > 180.0 && origin.lon.abs() <= 360.0;
+        let is_turned = origin.lon.abs() > 180.0 && origin.lon.abs() <= FARTHEST_LON;
         let lon = if is_turned { turned_back(origin.lon) } else { origin.lon };
         let plane = Plane::new(origin.lat, lon, origin.alt_m).map_err(|e| match e {
             OriginError::Latitude(_) => self.fault("origin.lat", format!("is the {e}")),

@@ -2,8 +2,8 @@
 
 use super::error::{Fault, fault};
 
-/// Whole turns that a longitude may be beyond ±180°: maps on the web count on when they are moved around the earth.
-const TURNS: f64 = 3.0;
+/// Greatest longitude, degrees either way: maps on the web count on when they are moved around the earth.
+pub(super) const FARTHEST_LON: f64 = 180.0 + 3.0 * 360.0;
 
 /// In which order a format writes a position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -78,7 +78,7 @@ impl Drawing {
             let rule = self.order.rule();
             return Err(fault(at, format!("is at {words}: latitude and longitude are swapped; {rule}")));
         }
-        if lat.abs() > 90.0 || lon.abs() > 180.0 + 360.0 * TURNS {
+        if lat.abs() > 90.0 || lon.abs() > FARTHEST_LON {
             return Err(fault(
                 at,
                 format!(

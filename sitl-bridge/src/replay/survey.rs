@@ -230,7 +230,8 @@ impl Survey {
         let noted = flight.as_ref().and_then(|flight| flight.number::<u16>("id"));
         let id = match (id, noted.or(system.checked_sub(1).map(u16::from))) {
             (Some(id), _) if noted.is_some_and(|noted| noted != id) => {
-                return Err(SurveyError::OtherUav { id, ids: noted.into_iter().collect() });
+                let ids = if ids.is_empty() { noted.into_iter().collect() } else { ids };
+                return Err(SurveyError::OtherUav { id, ids });
             }
             (Some(id), _) if ids.is_empty() || ids.contains(&id) => id,
             (Some(id), _) => return Err(SurveyError::OtherUav { id, ids }),

@@ -51,7 +51,7 @@ fn errors_name_the_field_the_line_and_the_way_out() {
     }
     assert!(refused("m.toml", "pois_u = [[1, 2]]").contains("missing field `origin`"));
     assert!(refused("m.toml", "pois_u = [[1, 2]]").contains("origin = { lat = "));
-    assert!(refused("m.toml", SOUND.replace("8.5", "999.5")).contains("line 1: origin.lon is the longitude 999.5"));
+    assert!(refused("m.toml", SOUND.replace("8.5", "9999.5")).contains("line 1: origin.lon is the longitude 9999.5"));
     let (turned, said) = loaded("m.toml", SOUND.replace("8.5", "368.5"));
     assert_eq!((turned, said.as_str()), (loaded("m.toml", SOUND).0, "note: origin.lon: 368.5 is 8.5"));
     let long = refused("m.toml", format!("a = [{}", "1, ".repeat(1000)));
