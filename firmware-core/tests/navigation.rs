@@ -15,7 +15,16 @@ fn latitude() -> impl Strategy<Value = i32> {
 }
 
 fn longitude() -> impl Strategy<Value = i32> {
-    -1_790_000_000..=1_790_000_000
+    -1_800_000_000..=1_800_000_000
+}
+
+/// A longitude as it is written on the other side of the date line.
+fn within_a_turn(lon_e7: i32) -> i32 {
+    match lon_e7 {
+        1_800_000_001.. => (i64::from(lon_e7) - 3_600_000_000) as i32,
+        ..=-1_800_000_001 => (i64::from(lon_e7) + 3_600_000_000) as i32,
+        _ => lon_e7,
+    }
 }
 
 /// How far two headings are apart, the short way round.
@@ -28,8 +37,9 @@ proptest! {
     #[test]
     fn degrees_come_back_to_the_unit(lat in latitude(), lon in longitude(), north in -1_000_000..1_000_000, east in -1_000_000..1_000_000) {
         let frame = LocalFrame::new(lat, lon).unwrap();
-        let place = frame.local(lat + north, lon + east).unwrap();
-        prop_assert_eq!(frame.geodetic_e7(place), (lat + north, lon + east));
+        let (lat, lon) = (lat + north, within_a_turn(lon + east));
+        let place = frame.local(lat, lon).unwrap();
+        prop_assert_eq!(frame.geodetic_e7(place), (lat, lon));
     }
 
     #[test]
@@ -120,13 +130,24 @@ fn the_default_scale_is_the_scenarios() {
 }
 
 #[test]
+fn the_date_line_is_no_edge() {
+    let frame = LocalFrame::new(degrees_to_e7(-16.8), degrees_to_e7(179.998)).unwrap();
+    let place = frame.local(degrees_to_e7(-16.8), degrees_to_e7(-179.999)).unwrap();
+    // 0.003 degrees of longitude at 16.8 degrees south.
+    assert!((place.east_mm / 1000.0 - 319.7).abs() < 0.1 && place.north_mm == 0.0, "{place:?}");
+    assert_eq!(frame.geodetic_e7(place), (degrees_to_e7(-16.8), degrees_to_e7(-179.999)));
+    let west = LocalFrame::new(0, degrees_to_e7(-179.9995)).unwrap().local(0, degrees_to_e7(179.9995)).unwrap();
+    assert!((west.east_mm / 1000.0 + 111.3).abs() < 0.1, "{west:?}");
+}
+
+#[test]
 fn far_places_and_bad_origins_are_refused() {
     let frame = LocalFrame::new(degrees_to_e7(47.0), degrees_to_e7(8.0)).unwrap();
     assert_eq!(frame.origin_e7(), (470_000_000, 80_000_000));
     assert_eq!(frame.local(degrees_to_e7(47.3), degrees_to_e7(8.0)), None);
     assert_eq!(frame.local(i32::MIN, i32::MAX), None);
     assert!(frame.local(degrees_to_e7(47.1), degrees_to_e7(8.1)).is_some_and(|p| p.north_mm < REACH_MM));
-    for (lat, lon) in [(800_000_001, 0), (i32::MIN, 0), (0, 1_790_000_001), (0, i32::MIN)] {
+    for (lat, lon) in [(800_000_001, 0), (i32::MIN, 0), (0, 1_800_000_001), (0, i32::MIN)] {
         assert_eq!(LocalFrame::new(lat, lon), None, "{lat} {lon}");
     }
 }

@@ -149,7 +149,7 @@ int32_t covey_decide(const covey_actor *actor, const covey_feature *own, uint8_t
 /* The map in flight, the same on every UAV of the swarm. */
 typedef struct covey_map {
     int32_t lat_e7;              /* its south-west corner, 1e-7 degrees, as in GLOBAL_POSITION_INT: within 80 degrees north and south, */
-    int32_t lon_e7;              /* and a degree or more from the date line */
+    int32_t lon_e7;              /* at most 180 degrees east or west */
     double unit_m;               /* metres in a map unit */
     uint16_t step_ms;            /* milliseconds in a step */
 } covey_map;

@@ -47,6 +47,11 @@ impl TimingArgs {
         self.rate_hz
     }
 
+    /// Whether all options were left out, or have their defaults.
+    pub fn is_default(&self) -> bool {
+        (self.rate_hz, self.encode_ms, self.decide_ms, self.beacon_hz) == (5, 400, 800, None)
+    }
+
     /// The phases, checked against the length of a step.
     pub fn timing(&self, step_ms: u16) -> Result<StepTiming> {
         if !(self.encode_ms < self.decide_ms && self.decide_ms < step_ms) {

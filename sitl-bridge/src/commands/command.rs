@@ -2,7 +2,7 @@
 
 use super::actor_file::{SelfTest, Signature};
 use super::fly::Fly;
-use super::mission::WriteMission;
+use super::mission::MissionCommand;
 use super::replay::ReplayTlog;
 use super::swarm::Swarm;
 use clap::{Parser, Subcommand};
@@ -25,8 +25,8 @@ enum Command {
     Swarm(Box<Swarm>),
     /// Decide a recorded flight again, and report decisions that differ.
     Replay(ReplayTlog),
-    /// Write the mission of a world of the scenario.
-    Mission(WriteMission),
+    /// Write the mission of a world of the scenario, check a mission, or make one of GeoJSON, KML, CSV, a plan or waypoints.
+    Mission(Box<MissionCommand>),
     /// Test an actor file on this computer, as is done before each flight.
     SelfTest(SelfTest),
     /// Print an actor file's signature: the same number wherever the actor decides the same.

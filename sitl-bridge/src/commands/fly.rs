@@ -3,13 +3,13 @@
 use super::actor_file::flight_ready;
 use super::args::{ActorArgs, SigningArgs, TimingArgs};
 use super::console::{Console, stop_flag};
+use super::mission;
+use super::recording::create;
 use crate::connection::{Address, Connection};
-use crate::mission::Mission;
 use crate::node::run::{Links, NodeEvent, RunControl, run};
 use crate::node::{Node, Settings, gate_limits};
 use crate::status_view::{StatusView, ViewMode};
 use crate::swarm_link::{SwarmAddress, SwarmSocket};
-use crate::tlog::TlogWriter;
 use firmware_core::gate::Limits;
 use miette::{IntoDiagnostic as _, Result, WrapErr as _};
 use std::path::PathBuf;
@@ -70,12 +70,11 @@ impl Fly {
         let stop = stop_flag()?;
         let (bytes, name) = self.actor.read().into_diagnostic()?;
         let actor = flight_ready(&bytes, &name).into_diagnostic()?;
-        let mission = Arc::new(Mission::read(&self.mission).into_diagnostic()?);
+        let mission = Arc::new(mission::read(&self.mission)?);
         let (autopilot_signing, swarm_signing) = self.signing.links()?;
         let autopilot = Connection::open(&self.autopilot).into_diagnostic().wrap_err("no link to the autopilot")?;
         let swarm = self.swarm.as_ref().map(SwarmSocket::open).transpose().into_diagnostic()?;
-        let tlog = self.tlog.as_ref().map(|path| TlogWriter::create(path)).transpose();
-        let tlog = tlog.into_diagnostic().wrap_err("the recording cannot be made")?;
+        let tlog = self.tlog.as_ref().map(|path| create(path)).transpose()?;
         eprintln!("autopilot: {}", autopilot.describe());
         match &swarm {
             Some(socket) => eprintln!("{}", socket.describe()),

@@ -6,6 +6,8 @@ mod command;
 mod console;
 mod fly;
 mod mission;
+mod recorded;
+mod recording;
 mod replay;
 mod swarm;
 

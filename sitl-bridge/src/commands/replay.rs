@@ -2,14 +2,16 @@
 
 use super::actor_file::flight_ready;
 use super::args::{ActorArgs, TimingArgs};
+use super::mission;
+use super::recorded::{Recorded, check_mission};
 use crate::frame::Source;
-use crate::mission::{Mission, PoiMap};
-use crate::node::{FeedForward, Node, Settings, gate_limits};
-use crate::replay::{RecordingInfo, Replay, ReplayCheck, ReplayReport};
+use crate::mission::PoiMap;
+use crate::node::{Node, Settings, gate_limits};
+use crate::replay::{RecordingError, RecordingInfo, Replay, ReplayCheck, ReplayReport, foreign};
 use crate::signing::{LinkSigning, Session};
 use crate::tlog::TlogReader;
-use firmware_core::gate::Limits;
 use miette::{IntoDiagnostic as _, Result, WrapErr as _, miette};
+use std::fs::File;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -34,12 +36,15 @@ pub(crate) struct ReplayTlog {
     /// The node's MAVLink system id, where the recording leaves a doubt.
     #[arg(long)]
     system: Option<u8>,
-    /// The flight had this option too.
+    /// The flight had this option too. Recordings say so themselves; those of earlier versions do not.
     #[arg(long)]
     simulated: bool,
     /// The flight had this option too.
     #[arg(long, conflicts_with = "simulated")]
     ideal: bool,
+    /// Decide by this mission although the recording names another.
+    #[arg(long)]
+    other_mission: bool,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -65,28 +70,28 @@ impl ReplayTlog {
     fn replay(&self) -> Result<bool> {
         let (bytes, name) = self.actor.read().into_diagnostic()?;
         let actor = flight_ready(&bytes, &name).into_diagnostic()?;
-        let mission = Arc::new(Mission::read(&self.mission).into_diagnostic()?);
+        let mission = Arc::new(mission::read(&self.mission)?);
         let file = || format!("{} cannot be replayed", self.file.display());
         let open = || TlogReader::open(&self.file).into_diagnostic().wrap_err_with(file);
+        let kind = File::open(&self.file).and_then(foreign).into_diagnostic().wrap_err_with(file)?;
+        if let Some(kind) = kind {
+            return Err(RecordingError::Foreign(kind)).into_diagnostic().wrap_err_with(file);
+        }
         let info = RecordingInfo::of(&mut open()?, self.id, self.system).into_diagnostic().wrap_err_with(file)?;
-        let base = if self.ideal {
-            Limits::ideal()
-        } else if self.simulated {
-            Limits::simulation()
-        } else {
-            Limits::default()
-        };
-        let feed_forward = if self.ideal { FeedForward::Action } else { FeedForward::Ramp };
+        check_mission(&info, &mission, &self.mission, self.other_mission).wrap_err_with(file)?;
+        let kind = if self.ideal { Some("ideal") } else { self.simulated.then_some("simulation") };
+        let recorded = Recorded::of(&info, kind, &self.timing, mission.scale.step_ms).wrap_err_with(file)?;
+        let feed_forward = recorded.feed_forward;
         let settings = Settings {
             id: info.id,
             system: info.system,
             actor,
             pois: Arc::new(PoiMap::new(&mission.pois)),
-            timing: self.timing.timing(mission.scale.step_ms)?,
-            limits: gate_limits(base, &mission),
+            timing: recorded.timing,
+            limits: gate_limits(recorded.limits, &mission),
             feed_forward,
             take_off: info.took_off,
-            rate_hz: f64::from(self.timing.rate_hz()),
+            rate_hz: recorded.rate_hz,
             source: Source::Datagrams,
             // Only what was believed is in the log.
             autopilot_signing: LinkSigning::off(),
@@ -96,7 +101,7 @@ impl ReplayTlog {
             mission: Arc::clone(&mission),
         };
         let node = Node::new(settings, Session::new()).into_diagnostic()?;
-        let mut replay = Replay::new(node, info, ReplayCheck::new(info.id, mission.scale, feed_forward));
+        let mut replay = Replay::new(node, info.clone(), ReplayCheck::new(info.id, mission.scale, feed_forward));
         for record in open()? {
             replay.feed(&record.into_diagnostic().wrap_err_with(file)?);
         }
@@ -107,6 +112,15 @@ impl ReplayTlog {
                 name.display(),
                 actor.message_hash()
             );
+        }
+        if info.flight.is_none() && report.counts_otherwise() {
+            return Err(miette!(
+                "{}: the recording counts its steps from another time than {}, whose step 0 begins at Unix time {} ms: is it the \
+                 mission that was flown?",
+                self.file.display(),
+                self.mission.display(),
+                mission.epoch_unix_ms
+            ));
         }
         self.tell(&info, &report)?;
         if report.decisions == 0 && report.is_equal() {
@@ -136,8 +150,8 @@ impl ReplayTlog {
         }
         if self.json {
             let object = serde_json::json!({
-                "file": self.file, "uav": info.id, "records": info.records, "skipped_bytes": info.skipped,
-                "cut": info.cut, "equal_in_all": report.is_equal(), "account": report,
+                "file": self.file.to_string_lossy(), "uav": info.id, "records": info.records, "skipped_bytes": info.skipped,
+                "cut": info.cut, "mission_named": info.flight.is_some(), "equal_in_all": report.is_equal(), "account": report,
             });
             println!("{}", serde_json::to_string_pretty(&object).into_diagnostic()?);
             return Ok(());

@@ -1,22 +1,47 @@
 //! What a swarm flies: where its map lies, what it should cover and where it must stay.
 //!
 //! A mission is a file that every UAV of the swarm carries, TOML or GeoJSON, described in
-//! `docs/mission.md`.
+//! `docs/mission.md`. Places drawn elsewhere, in KML, CSV, a QGroundControl plan or a waypoint list, become one.
+//!
+//! ```text
+//! bytes ─ text ─ format ─▶ geojson, kml, csv, plan, waypoints ─▶ drawing ┐
+//!                     └──▶ TOML, or GeoJSON's member covey ─▶ file ──────┴▶ draft ─ check ─▶ Mission and remarks
+//! ```
 
+mod check;
+mod csv;
+mod draft;
+mod drawing;
+mod error;
 mod file;
+mod format;
 mod geojson;
+mod json;
+mod kml;
+mod outline;
+mod plan;
 mod plane;
 mod pois;
+mod ring;
+mod survey;
+mod text;
+mod waypoints;
 mod world;
 
-pub use file::{MissionError, Origin};
+pub use draft::{Draft, Given, Loaded, Remark};
+pub use error::MissionError;
+pub use file::Origin;
+pub use format::Format;
 pub use plane::{OriginError, Place, Plane, REACH_MM, Scale, to_e7};
 pub use pois::PoiMap;
+pub use text::TextError;
 
 use firmware_core::actor::Mode;
 use firmware_core::gate::{Geofence, GeofenceError, Vector, altitude_layer_mm};
 use firmware_core::geometry::{TICKS_PER_U, Vec2};
 use firmware_core::observation::HALF_SIDE_LIMIT;
+use sha2::Digest as _;
+use std::path::Path;
 
 /// Where no margin is given, the fence stands this far outside the map, u.
 pub const DEFAULT_MARGIN_U: f64 = 10.0;
@@ -72,6 +97,23 @@ impl Layers {
 }
 
 impl Mission {
+    /// Reads a mission file of any format that says where its map lies. What else is to be said of it is
+    /// in [`Loaded`].
+    ///
+    /// # Errors
+    /// See [`MissionError`].
+    pub fn read(path: &Path) -> Result<Self, MissionError> {
+        Loaded::read(path).map(|loaded| loaded.mission)
+    }
+
+    /// SHA-256 over the mission as [`Mission::to_toml`] writes it without comment and at epoch 0: the same for
+    /// the same mission whatever file it came from, and whenever it begins.
+    #[must_use]
+    pub fn hash(&self) -> [u8; 32] {
+        let text = Self { epoch_unix_ms: 0, ..self.clone() }.to_toml("");
+        sha2::Sha256::digest(text.as_bytes()).into()
+    }
+
     /// Half the side of the map, ticks, as the observation takes it.
     #[must_use]
     pub fn half_side(&self) -> i32 {

@@ -8,8 +8,6 @@ pub use firmware_core::navigation::{LocalPosition as Place, MapScale as Scale, R
 use firmware_core::navigation::{LATITUDE_LIMIT_E7, LocalFrame};
 use thiserror::Error;
 
-/// Least distance of the origin to the date line and to the poles: the reach, roughly.
-const MARGIN_DEG: f64 = 1.0;
 const UNITS_PER_DEG: f64 = 1e7;
 /// Greatest latitude of an origin, north and south, degrees.
 const LATITUDE_LIMIT_DEG: f64 = LATITUDE_LIMIT_E7 as f64 / UNITS_PER_DEG;
@@ -23,11 +21,6 @@ pub enum OriginError {
     /// Not a longitude.
     #[error("longitude {0}; use one between -180 and 180 degrees")]
     Longitude(f64),
-    /// Longitudes jump from 180 to -180 on the map.
-    #[error(
-        "longitude {0} is within a degree of the date line, where longitudes jump; missions there are not supported"
-    )]
-    DateLine(f64),
     /// Not an altitude.
     #[error("altitude {0} m; use one between -500 and 9000 m above mean sea level")]
     Altitude(f64),
@@ -57,9 +50,6 @@ impl Plane {
         if !(-180.0..=180.0).contains(&lon) {
             return Err(OriginError::Longitude(lon));
         }
-        if lon.abs() > 180.0 - MARGIN_DEG {
-            return Err(OriginError::DateLine(lon));
-        }
         if !(-500.0..=9000.0).contains(&alt_m) {
             return Err(OriginError::Altitude(alt_m));
         }
@@ -69,7 +59,8 @@ impl Plane {
         Ok(Self { lat_e7, lon_e7, alt_mm: (alt_m * 1000.0).round() as i32, frame })
     }
 
-    /// Where a latitude and longitude (1e-7 degrees) lie; `None` beyond [`REACH_MM`].
+    /// Where a latitude and longitude (1e-7 degrees) lie; `None` beyond [`REACH_MM`]. On either side of the date line
+    /// the plane goes on.
     #[must_use]
     pub fn place(&self, lat_e7: i32, lon_e7: i32) -> Option<Place> {
         self.frame.local(lat_e7, lon_e7)
@@ -106,13 +97,15 @@ mod tests {
     proptest! {
         #[test]
         fn degrees_come_back_to_the_unit(
-            lat in -80.0f64..80.0, lon in -179.0f64..179.0, north in -2_000_000i32..2_000_000, east in -2_000_000i32..2_000_000,
+            lat in -80.0f64..80.0, lon in -180.0f64..180.0, north in -2_000_000i32..2_000_000, east in -2_000_000i32..2_000_000,
         ) {
             let plane = Plane::new(lat, lon, 0.0).unwrap();
             // Two million units of latitude are 22 km; stay inside the reach.
             let (north, east) = (north / 2, east / 2);
-            let place = plane.place(plane.lat_e7 + north, plane.lon_e7 + east).unwrap();
-            prop_assert_eq!(plane.degrees_e7(place), (plane.lat_e7 + north, plane.lon_e7 + east));
+            // Longitudes begin anew at the date line.
+            let lon_e7 = within_a_turn(plane.lon_e7 + east);
+            let place = plane.place(plane.lat_e7 + north, lon_e7).unwrap();
+            prop_assert_eq!(plane.degrees_e7(place), (plane.lat_e7 + north, lon_e7));
         }
 
         #[test]
@@ -131,7 +124,7 @@ mod tests {
 
         #[test]
         fn a_place_comes_back_within_a_grain(
-            lat in -80.0f64..80.0, lon in -179.0f64..179.0, east_mm in -1e6f64..1e6, north_mm in -1e6f64..1e6,
+            lat in -80.0f64..80.0, lon in -180.0f64..180.0, east_mm in -1e6f64..1e6, north_mm in -1e6f64..1e6,
         ) {
             let plane = Plane::new(lat, lon, 100.0).unwrap();
             let (a, b) = plane.degrees_e7(Place { east_mm, north_mm });
@@ -166,13 +159,22 @@ mod tests {
     }
 
     #[test]
+    fn the_date_line_is_no_edge() {
+        let plane = Plane::new(-16.8, 179.998, 0.0).unwrap();
+        let place = plane.place(to_e7(-16.8), to_e7(-179.999)).unwrap();
+        // 0.003 degrees of longitude at 16.8 degrees south.
+        assert!((place.east_mm / 1000.0 - 319.7).abs() < 0.1 && place.north_mm == 0.0, "{place:?}");
+        assert_eq!(plane.degrees_e7(place), (to_e7(-16.8), to_e7(-179.999)));
+        let west = Plane::new(0.0, -179.9995, 0.0).unwrap().place(0, to_e7(179.9995)).unwrap();
+        assert!((west.east_mm / 1000.0 + 111.3).abs() < 0.1, "{west:?}");
+    }
+
+    #[test]
     fn far_places_and_bad_origins_are_refused() {
         let plane = Plane::new(47.0, 8.0, 400.0).unwrap();
         assert_eq!(plane.place(to_e7(47.3), to_e7(8.0)), None);
         assert_eq!(plane.place(i32::MIN, i32::MAX), None);
         let refused = |lat, lon, alt| Plane::new(lat, lon, alt).unwrap_err().to_string();
-        assert!(refused(47.0, 179.5, 0.0).contains("date line"));
-        assert!(refused(47.0, -180.0, 0.0).contains("date line"));
         assert!(refused(47.0, 361.0, 0.0).contains("between -180 and 180"));
         assert!(refused(f64::NAN, 8.0, 0.0).contains("NaN"));
         assert!(refused(85.0, 8.0, 0.0).contains("-80 and 80"));

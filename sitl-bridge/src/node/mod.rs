@@ -13,6 +13,7 @@ mod gate_inputs;
 mod host_clock;
 mod host_time;
 mod link_monitor;
+mod logbook;
 mod operator;
 mod output;
 pub mod run;

@@ -28,7 +28,7 @@ const HEARTBEAT_MS: i64 = 1000;
 /// Flies one UAV.
 #[derive(Debug)]
 pub struct Node<'a> {
-    settings: Settings<'a>,
+    pub(super) settings: Settings<'a>,
     autopilot: Autopilot,
     autopilot_link: AutopilotLink,
     swarm_link: SwarmLink,

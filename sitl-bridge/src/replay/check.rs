@@ -81,6 +81,8 @@ pub struct ReplayReport {
     pub flown_actor: Option<u32>,
     /// Features in the log that were held against those made now.
     pub features: u64,
+    /// … and which are of steps that were not decided in now.
+    pub features_elsewhere: u64,
     /// Steps in the air without a decision, in the node that was run again.
     pub missed_decisions: u64,
     /// The decisions that differ.
@@ -92,6 +94,13 @@ impl ReplayReport {
     #[must_use]
     pub fn is_equal(&self) -> bool {
         self.differences.is_empty()
+    }
+
+    /// Whether no step of the log is one that was decided in now, though there are some: the mission begins
+    /// at another time.
+    #[must_use]
+    pub const fn counts_otherwise(&self) -> bool {
+        self.decisions > 0 && self.features > 0 && self.features_elsewhere == self.features
     }
 }
 
@@ -225,6 +234,7 @@ impl ReplayCheck {
                 None => Some(DifferenceKind::NotDecided),
             };
             self.report.features += 1;
+            self.report.features_elsewhere += u64::from(kind == Some(DifferenceKind::NotDecided));
             let known = self.report.differences.iter().any(|d| d.step == step);
             if let Some(kind) = kind.filter(|_| !known) {
                 let recorded = replayed.filter(|_| kind == DifferenceKind::Feature);

@@ -1,70 +1,17 @@
 //! Who is who in a recording.
 
+use super::error::RecordingError;
+use super::notes::Notes;
+use super::times::Times;
 use crate::frame::Frame;
 use crate::messages::{CommandLong, id, mav_cmd};
 use crate::swarm_link::{COMPONENT, is_neighbour, system_of};
-use crate::tlog::{Record, TlogReader};
-use std::collections::BTreeSet;
-use std::io::{self, Read};
-use thiserror::Error;
+use crate::tlog::{Flight, NOTE_COMPONENT, Note, Record, TlogReader};
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::Read;
 
 /// Commands by which a node brings its vehicle into flight: take-off and arming.
 const BRING_UP: [u16; 2] = [mav_cmd::NAV_TAKEOFF, mav_cmd::COMPONENT_ARM_DISARM];
-
-/// Why a recording cannot be replayed.
-#[derive(Debug, Error)]
-pub enum RecordingError {
-    /// It cannot be read.
-    #[error("it cannot be read")]
-    Read(#[from] io::Error),
-    /// There is no frame in it.
-    #[error(
-        "there is no MAVLink frame in its {bytes} bytes. A tlog comes from `sitl-bridge fly --tlog`, MAVProxy, Mission \
-         Planner or QGroundControl"
-    )]
-    NoFrames {
-        /// Bytes in it.
-        bytes: u64,
-    },
-    /// There is no setpoint of a node in it.
-    #[error(
-        "none of its {records} frames is a setpoint of a node{}. A recording of the flight itself is needed, by `fly \
-         --tlog` or `swarm --tlog`, and the flight must have got into the air",
-        system.map(|s| format!(" with MAVLink system {s}")).unwrap_or_default()
-    )]
-    NoSetpoints {
-        /// Frames in it.
-        records: u64,
-        /// The node's system, where it was named.
-        system: Option<u8>,
-    },
-    /// Several nodes sent setpoints.
-    #[error("setpoints of the MAVLink systems {systems:?} are in it: name the node's with --system")]
-    SeveralNodes {
-        /// Their systems.
-        systems: Vec<u8>,
-    },
-    /// The id cannot be told.
-    #[error(
-        "the node has MAVLink system {system}, from which its id cannot be told: name it with --id (UAVs heard or \
-         flown: {})",
-        ids.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
-    )]
-    WhichId {
-        /// The node's system.
-        system: u8,
-        /// Ids that neighbour messages in the log have.
-        ids: Vec<u16>,
-    },
-    /// It is of another UAV.
-    #[error("it has no neighbour message of UAV {id}, but of {ids:?}: is it another UAV's recording?")]
-    OtherUav {
-        /// The id that was named.
-        id: u16,
-        /// Ids that neighbour messages in the log have.
-        ids: Vec<u16>,
-    },
-}
 
 /// What a frame in the log was to the node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,10 +26,12 @@ pub enum Role {
     Swarm,
     /// A frame that came from the autopilot's link.
     Autopilot,
+    /// A piece of a note of the recording itself.
+    Note,
 }
 
 /// Who is who in a recording.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RecordingInfo {
     /// The UAV.
     pub id: u16,
@@ -96,6 +45,10 @@ pub struct RecordingInfo {
     pub skipped: u64,
     /// Whether the log ends in the middle of a record.
     pub cut: bool,
+    /// The node's settings, where they are in it.
+    pub flight: Option<Flight>,
+    /// From which Unix time (ms) steps were counted in the end, where that is in it.
+    pub epoch_ms: Option<i64>,
 }
 
 impl RecordingInfo {
@@ -108,11 +61,16 @@ impl RecordingInfo {
         let (mut nodes, mut ids) = (BTreeSet::new(), BTreeSet::new());
         let (mut records, mut bytes) = (0, 0);
         let mut brought_up = BTreeSet::new();
+        let mut notes: BTreeMap<u8, Notes> = BTreeMap::new();
+        let mut times = Times::default();
         for record in &mut *log {
-            let Record { frame, .. } = record?;
+            let Record { frame, unix_us } = record?;
             records += 1;
+            times.take(unix_us);
             bytes += 8 + frame.bytes().len() as u64;
-            if is_neighbour(&frame) {
+            if frame.component() == NOTE_COMPONENT && Note::is_piece(&frame, frame.system()) {
+                notes.entry(frame.system()).or_default().take(&frame);
+            } else if is_neighbour(&frame) {
                 ids.extend(frame.system().checked_sub(1).map(u16::from));
             } else if frame.component() == COMPONENT {
                 if frame.message_id() == id::SET_POSITION_TARGET_LOCAL_NED {
@@ -127,6 +85,7 @@ impl RecordingInfo {
         if records == 0 {
             return Err(RecordingError::NoFrames { bytes: bytes + log.skipped() });
         }
+        times.check()?;
         nodes.retain(|&node| system.is_none_or(|s| s == node));
         let system = match (nodes.first(), nodes.len()) {
             (Some(&only), 1) => only,
@@ -136,21 +95,36 @@ impl RecordingInfo {
                 None => return Err(RecordingError::SeveralNodes { systems: nodes.into_iter().collect() }),
             },
         };
+        let Notes { flight, epoch_ms, flights, .. } = notes.remove(&system).unwrap_or_default();
+        if flights > 1 {
+            return Err(RecordingError::SeveralFlights { flights });
+        }
         let ids: Vec<u16> = ids.into_iter().collect();
-        let id = match (id, system.checked_sub(1).map(u16::from)) {
+        let noted = flight.as_ref().and_then(|flight| flight.number::<u16>("id"));
+        let id = match (id, noted.or(system.checked_sub(1).map(u16::from))) {
+            (Some(id), _) if noted.is_some_and(|noted| noted != id) => {
+                let ids = if ids.is_empty() { noted.into_iter().collect() } else { ids };
+                return Err(RecordingError::OtherUav { id, ids });
+            }
             (Some(id), _) if ids.is_empty() || ids.contains(&id) => id,
             (Some(id), _) => return Err(RecordingError::OtherUav { id, ids }),
+            (None, Some(id)) if noted.is_some() => id,
             (None, Some(id)) if ids.is_empty() || ids.contains(&id) => id,
             (None, _) => return Err(RecordingError::WhichId { system, ids }),
         };
-        let took_off = brought_up.contains(&system);
-        Ok(Self { id, system, took_off, records, skipped: log.skipped(), cut: log.is_cut() })
+        let noted = flight.as_ref().and_then(|flight| flight.number::<u8>("take_off"));
+        let took_off = noted.map_or_else(|| brought_up.contains(&system), |noted| noted != 0);
+        let (skipped, cut) = (log.skipped(), log.is_cut());
+        Ok(Self { id, system, took_off, records, skipped, cut, flight, epoch_ms })
     }
 
     /// What a frame was to the node. A neighbour message that an autopilot had passed on looks
     /// like one from the swarm; the neighbour table takes each only once.
     #[must_use]
     pub fn role(&self, frame: &Frame) -> Role {
+        if Note::is_piece(frame, self.system) {
+            return Role::Note;
+        }
         if is_neighbour(frame) {
             return if Some(frame.system()) == system_of(self.id) { Role::Broadcast } else { Role::Swarm };
         }

@@ -1,6 +1,6 @@
 //! Reading a tlog, even a damaged one.
 
-use super::TIME;
+use super::layout::TIME;
 use crate::frame::{self, Frame, MAX_LEN, NoFrame};
 use std::fs::File;
 use std::io::{self, Read};

@@ -5,6 +5,7 @@ use super::shared::SharedArgs;
 use super::simulated::SimulatedArgs;
 use crate::commands::actor_file::flight_ready;
 use crate::commands::console::stop_flag;
+use crate::tlog::flight_folder;
 use miette::{IntoDiagnostic as _, Result, WrapErr as _};
 
 /// Arguments of `swarm`.
@@ -27,12 +28,20 @@ impl Swarm {
     /// # Errors
     /// A file cannot be used or a link not be opened; the actor does not pass its self-test;
     /// the simulation fails.
-    pub fn run(self) -> Result<()> {
+    pub fn run(mut self) -> Result<()> {
         let stop = stop_flag()?;
         let (bytes, name) = self.shared.actor.read().into_diagnostic()?;
         let actor = flight_ready(&bytes, &name).into_diagnostic()?;
-        if let Some(folder) = &self.shared.tlog {
-            std::fs::create_dir_all(folder).into_diagnostic().wrap_err("the recordings have no folder")?;
+        if let Some(folder) = &mut self.shared.tlog {
+            let fresh = flight_folder(folder).into_diagnostic().wrap_err("the recordings have no folder")?;
+            if fresh != *folder {
+                eprintln!(
+                    "{} has recordings, which are kept: those of this flight go to {}",
+                    folder.display(),
+                    fresh.display()
+                );
+            }
+            *folder = fresh;
         }
         if self.sim {
             self.simulated.simulate(self.shared, actor, &stop)

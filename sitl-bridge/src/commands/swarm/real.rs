@@ -3,13 +3,14 @@
 use super::shared::SharedArgs;
 use crate::commands::console::Console;
 use crate::commands::fly::parting;
+use crate::commands::mission;
+use crate::commands::recording::create;
 use crate::connection::{Address, Connection};
-use crate::mission::{Mission, PoiMap};
+use crate::mission::PoiMap;
 use crate::node::run::{Links, NodeEvent, RunControl, run};
 use crate::node::{Counters, Node, Settings, gate_limits};
 use crate::status_view::{StatusView, ViewMode};
 use crate::swarm_link::{SwarmAddress, SwarmSocket, system_of};
-use crate::tlog::TlogWriter;
 use firmware_core::actor::Actor;
 use firmware_core::gate::Limits;
 use miette::{IntoDiagnostic as _, Result, miette};
@@ -57,7 +58,7 @@ impl RealArgs {
     /// A file cannot be used or a link not be opened.
     pub fn fly(&self, shared: &SharedArgs, actor: Actor<'_>, stop: &Arc<AtomicBool>) -> Result<()> {
         let Some(path) = &self.mission else { return Err(miette!("--mission is missing")) };
-        let mission = Arc::new(Mission::read(path).into_diagnostic()?);
+        let mission = Arc::new(mission::read(path)?);
         let pois = Arc::new(PoiMap::new(&mission.pois));
         let (autopilot_signing, swarm_signing) = shared.signing.links()?;
         let base = if self.simulated { Limits::simulation() } else { Limits::default() };
@@ -140,8 +141,8 @@ impl RealArgs {
             let autopilot = Connection::open(&address).into_diagnostic()?;
             let own = SwarmAddress::Peers { listen: (Ipv4Addr::LOCALHOST, 0).into(), peers: Vec::new() };
             let swarm = SwarmSocket::open(self.swarm.as_ref().unwrap_or(&own)).into_diagnostic()?;
-            let file = |folder: &PathBuf| TlogWriter::create(&folder.join(format!("uav-{id}.tlog")));
-            let tlog = shared.tlog.as_ref().map(file).transpose().into_diagnostic()?;
+            let file = |folder: &PathBuf| create(&folder.join(format!("uav-{id}.tlog")));
+            let tlog = shared.tlog.as_ref().map(file).transpose()?;
             links.push(Links { autopilot, swarm: Some(swarm), tlog });
         }
         if self.swarm.is_none() {

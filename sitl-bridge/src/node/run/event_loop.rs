@@ -5,9 +5,11 @@ use super::event::NodeEvent;
 use crate::autopilot::{Notice, Stage};
 use crate::connection::{RECEIVE_LEN, Received, Sent, wait};
 use crate::node::host_time::HostTime;
+use crate::node::operator::OperatorCommand;
 use crate::node::output::NodeOutput;
 use crate::node::state_machine::Node;
 use crate::swarm_link::SwarmSocket;
+use crate::tlog::Note;
 use std::io;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, Sender};
@@ -49,12 +51,16 @@ pub fn run(
         error_ms: 0,
         epoch_ms: RunControl::OWN_EPOCH,
     };
+    event_loop.begin_recording(node, &mut links, control);
     while !control.stop.load(Ordering::Relaxed) {
-        event_loop.update_epoch(node, control);
-        control.commands.iter().flat_map(Receiver::try_iter).for_each(|command| node.command(command));
+        event_loop.update_epoch(node, &mut links, control);
+        for command in control.commands.iter().flat_map(Receiver::try_iter) {
+            event_loop.command(node, &mut links, command);
+        }
         event_loop.run_turn(node, &mut links)?;
     }
-    node.release(control.land);
+    let parting = if control.land { OperatorCommand::Land } else { OperatorCommand::Release };
+    event_loop.command(node, &mut links, parting);
     let until = event_loop.now().wall_ms + LANDING_MS;
     loop {
         event_loop.run_turn(node, &mut links)?;
@@ -79,11 +85,35 @@ struct EventLoop<'r> {
 }
 
 impl EventLoop<'_> {
-    fn update_epoch(&mut self, node: &mut Node<'_>, control: &RunControl) {
+    /// Notes at the beginning of a recording what is flown, and from when steps are counted.
+    fn begin_recording(&self, node: &Node<'_>, links: &mut Links, control: &RunControl) {
+        if links.tlog.is_some() {
+            self.note(node, links, &Note::Flight(node.settings.flight()));
+            if control.epoch_ms.load(Ordering::Relaxed) == RunControl::OWN_EPOCH {
+                self.note(node, links, &Note::Epoch(Some(node.settings.mission.epoch_unix_ms)));
+            }
+        }
+    }
+
+    fn update_epoch(&mut self, node: &mut Node<'_>, links: &mut Links, control: &RunControl) {
         let epoch_ms = control.epoch_ms.load(Ordering::Relaxed);
         if epoch_ms != self.epoch_ms {
             self.epoch_ms = epoch_ms;
-            node.set_epoch((epoch_ms != RunControl::NO_EPOCH).then_some(epoch_ms));
+            let epoch_ms = (epoch_ms != RunControl::NO_EPOCH).then_some(epoch_ms);
+            self.note(node, links, &Note::Epoch(epoch_ms));
+            node.set_epoch(epoch_ms);
+        }
+    }
+
+    /// Carries out a command, and notes it in the recording, so that a replay carries it out too.
+    fn command(&self, node: &mut Node<'_>, links: &mut Links, command: OperatorCommand) {
+        self.note(node, links, &Note::Command(command));
+        node.command(command);
+    }
+
+    fn note(&self, node: &Node<'_>, links: &mut Links, note: &Note) {
+        if let Some(tlog) = &mut links.tlog {
+            tlog.note(self.now().unix_us, node.settings.system, note);
         }
     }
 

@@ -1,0 +1,7 @@
+#![no_main]
+
+#[path = "../bridge_checks.rs"]
+#[allow(dead_code)] // Each target runs one of them.
+mod checks;
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| checks::connection_string(data));
