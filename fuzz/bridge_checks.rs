@@ -4,7 +4,7 @@
 use sitl_bridge::connection::Address;
 use sitl_bridge::frame::{Reader, Source};
 use sitl_bridge::mission::{Draft, Given, Loaded};
-use sitl_bridge::replay::{Survey, foreign};
+use sitl_bridge::replay::{RecordingInfo, foreign};
 use sitl_bridge::swarm_link::{SwarmAddress, neighbour_message};
 use sitl_bridge::tlog::{NoteReader, TlogReader};
 use std::path::Path;
@@ -33,7 +33,7 @@ fn reads_back(loaded: &Loaded) {
     assert_eq!(again.mission.hash(), loaded.mission.hash());
 }
 
-/// Records lie in the file as they are read; nothing in it stops the survey.
+/// Records lie in the file as they are read; nothing in it stops the info.
 pub fn tlog(data: &[u8]) {
     let mut reader = TlogReader::new(data);
     let (mut bytes, mut notes) = (0, NoteReader::default());
@@ -47,7 +47,7 @@ pub fn tlog(data: &[u8]) {
     assert!(bytes + reader.skipped() <= data.len() as u64);
     assert!(reader.is_cut() || bytes + reader.skipped() == data.len() as u64);
     let _ = foreign(data);
-    let _ = Survey::of(&mut TlogReader::new(data), None, None);
+    let _ = RecordingInfo::of(&mut TlogReader::new(data), None, None);
 }
 
 /// A string that names a link is written as one that does too.

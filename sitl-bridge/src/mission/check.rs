@@ -1,13 +1,13 @@
 //! From what is written to a mission that can be flown.
 
+use super::definition::{DEFAULT_MARGIN_U, Layers, Mission, square_fence};
 use super::drawing::{Drawing, FARTHEST_LON, Order, Spot, turned_back};
-use super::error::{Fault, fault};
+use super::fault::{Fault, fault};
 use super::file::{AltitudeFile, Decide, FenceFile, MissionFile, Origin};
 use super::format::Format;
 use super::outline::{Shaped, shape};
 use super::plane::{OriginError, Plane, Scale, to_e7};
-use super::survey::{Poi, Survey};
-use super::{DEFAULT_MARGIN_U, Layers, Mission, square_fence};
+use super::poi_check::{Poi, PoiCheck};
 use covey_env::Scenario;
 use firmware_core::actor::Mode;
 use firmware_core::geometry::{TICKS_PER_U, Vec2};
@@ -99,23 +99,23 @@ impl Check<'_> {
             },
             epoch_unix_ms: file.epoch_unix_ms,
         };
-        let survey = Survey::of(&mission, pois);
-        let count = survey.on_map.len();
+        let checked = PoiCheck::of(&mission, pois);
+        let count = checked.on_map.len();
         if count == 0 {
-            return Err(self.nothing_to_cover(&survey));
+            return Err(self.nothing_to_cover(&checked));
         }
         if count > Scenario::MAX_POIS {
             return Err(self.fault("pois_u", format!("has {count} points; use {} at most", Scenario::MAX_POIS)));
         }
-        let warnings = survey.warnings(&mission);
-        mission.pois = survey.on_map.iter().map(|poi| poi.place).collect();
+        let warnings = checked.warnings(&mission);
+        mission.pois = checked.on_map.iter().map(|poi| poi.place).collect();
         notes.extend(is_turned.then(|| format!("{}origin.lon: {} is {lon}", self.prefix, origin.lon)));
         notes.extend(self.altitudes());
         Ok(Checked { mission, notes, warnings })
     }
 
-    fn nothing_to_cover(&self, survey: &Survey) -> Fault {
-        let Some(first) = survey.off_map.first() else {
+    fn nothing_to_cover(&self, checked: &PoiCheck) -> Fault {
+        let Some(first) = checked.off_map.first() else {
             let problem = match self.format {
                 Format::Toml => "pois_u and pois_lat_lon are both empty; a mission has something to cover",
                 Format::GeoJson => "there is no point in it; a mission has something to cover: draw PoIs as Points",
@@ -129,7 +129,7 @@ impl Check<'_> {
             return Fault { field: "pois_u".into(), problem: format!("{problem}{told}") };
         };
         let (x, y) = first.place.to_u();
-        let count = survey.off_map.len();
+        let count = checked.off_map.len();
         let all = if count == 1 { "its only PoI lies".into() } else { format!("all {count} PoIs lie") };
         let side = self.file.side_u;
         Fault {

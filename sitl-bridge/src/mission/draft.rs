@@ -1,45 +1,22 @@
 //! Reading a mission from a file, and filling in what its format has no room for.
 
 use super::check::{Checked, check};
-use super::drawing::{Drawing, Extent};
-use super::error::{Fault, MissionError};
+use super::definition::Mission;
+use super::drawing::{Drawing, Extent, METRES_PER_DEGREE, turned_back};
+use super::error::MissionError;
+use super::fault::Fault;
 use super::file::{Decide, MissionFile, Origin, line_of};
-use super::format::{Content, FORMATS, Format};
-use super::{Mission, csv, geojson, kml, plan, text, waypoints};
+use super::format::Format;
+use super::formats::detect::{Content, FORMATS};
+use super::formats::{csv, geojson, kml, plan, waypoints};
+use super::given::Given;
+use super::loaded::{Loaded, Remark};
+use super::text;
 use firmware_core::actor::Mode;
-use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// Room around PoIs on a map that is laid around them, u.
 const ROOM_U: f64 = 10.0;
-/// Metres in a degree of latitude, as [`super::Plane`] has them.
-const METRES: f64 = 111_318.845;
-
-/// A mission that was read, and what its operator should know of it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Loaded {
-    /// The mission.
-    pub mission: Mission,
-    /// The format of its file.
-    pub format: Format,
-    /// What was read otherwise than it stands there, and what may go wrong in flight.
-    pub remarks: Vec<Remark>,
-}
-
-/// A word on a mission.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Remark {
-    /// Whether something may go wrong in flight.
-    pub warning: bool,
-    /// The word.
-    pub text: String,
-}
-
-impl fmt::Display for Remark {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", if self.warning { "warning" } else { "note" }, self.text)
-    }
-}
 
 /// A file that was read and not yet checked: what it lacks can be [given](Draft::fill).
 #[derive(Clone, Debug)]
@@ -56,37 +33,15 @@ pub struct Draft {
     simplify: bool,
 }
 
-/// What a user gives besides the file. It goes over what stands there.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Given {
-    /// Latitude of the map's south-west corner, degrees.
-    pub lat: Option<f64>,
-    /// Its longitude, degrees.
-    pub lon: Option<f64>,
-    /// Its altitude above mean sea level, m.
-    pub alt_m: Option<f64>,
-    /// Metres in a map unit.
-    pub scale_m: Option<f64>,
-    /// Side of the map, u.
-    pub side_u: Option<f64>,
-    /// Length of a step, ms.
-    pub step_ms: Option<u16>,
-    /// Seed of actions and tie-breakers.
-    pub policy_seed: Option<u64>,
-    /// How actions are drawn.
-    pub mode: Option<Mode>,
-    /// When step 0 begins, Unix time in ms.
-    pub epoch_unix_ms: Option<i64>,
-    /// Altitude of the lowest layer above the origin, m.
-    pub base_m: Option<f64>,
-    /// Between two layers, m.
-    pub spacing_m: Option<f64>,
-    /// Number of layers.
-    pub layers: Option<u16>,
-    /// How far outside the map the fence stands where none is drawn, u.
-    pub margin_u: Option<f64>,
-    /// Whether a fence with too many corners is made simpler.
-    pub simplify_fence: bool,
+impl Mission {
+    /// Reads a mission file of any format that says where its map lies. What else is to be said of it is
+    /// in [`Loaded`].
+    ///
+    /// # Errors
+    /// See [`MissionError`].
+    pub fn read(path: &Path) -> Result<Self, MissionError> {
+        Loaded::read(path).map(|loaded| loaded.mission)
+    }
 }
 
 impl Loaded {
@@ -228,8 +183,8 @@ impl Draft {
     fn laid_around(&self, side_u: Option<f64>) -> Option<([f64; 2], f64)> {
         let Extent { lat, lon, north, east } = self.drawing.extent()?;
         let scale_m = self.settings.scale_m;
-        let east_m = METRES * lat.to_radians().cos().max(0.01);
-        let [high, wide] = [north * METRES, east * east_m];
+        let east_m = METRES_PER_DEGREE * lat.to_radians().cos().max(0.01);
+        let [high, wide] = [north * METRES_PER_DEGREE, east * east_m];
         let room = if self.drawing.fence.is_some() { 0.0 } else { 2.0 * ROOM_U };
         // A unit more for the rounding of the corner.
         let side = (high.max(wide) / scale_m + room + 1.0).ceil().max(f64::from(covey_env::Scenario::MIN_SIDE_U));
@@ -238,8 +193,8 @@ impl Draft {
             let corner = least - (side * scale_m - extent_m) / 2.0 / per_degree;
             (corner * 1e6).round() / 1e6
         };
-        let lon = super::drawing::turned_back(corner(lon, wide, east_m));
-        Some(([corner(lat, high, METRES), lon], side))
+        let lon = turned_back(corner(lon, wide, east_m));
+        Some(([corner(lat, high, METRES_PER_DEGREE), lon], side))
     }
 
     /// What was read otherwise than it stands there, so far.

@@ -1,9 +1,12 @@
 //! What a file draws on the earth: points and an outline in degrees, whatever its format.
 
-use super::error::{Fault, fault};
+use super::fault::{Fault, fault};
 
 /// Greatest longitude, degrees either way: maps on the web count on when they are moved around the earth.
 pub(super) const FARTHEST_LON: f64 = 180.0 + 3.0 * 360.0;
+
+/// Metres in a degree of latitude, as [`super::Plane`] has them.
+pub(super) const METRES_PER_DEGREE: f64 = 111_318.845;
 
 /// In which order a format writes a position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

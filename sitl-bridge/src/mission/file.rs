@@ -1,6 +1,7 @@
 //! The fields of a mission as they are written, and where TOML has them.
 
-use super::error::{Fault, broken};
+use super::fault::{Fault, broken};
+use super::text::place;
 use firmware_core::neighbour_table::DEFAULT_STEP_MS;
 use serde::{Deserialize, Serialize};
 
@@ -113,7 +114,7 @@ fn explain(error: &toml::de::Error, text: &str) -> String {
     if drawn.lines().all(|line| line.chars().count() <= LONGEST_LINE) {
         return drawn.trim_end().to_owned();
     }
-    let (line, column) = super::text::place(text.as_bytes(), error.span().map_or(0, |span| span.start));
+    let (line, column) = place(text.as_bytes(), error.span().map_or(0, |span| span.start));
     format!("TOML parse error at line {line}, column {column}: {}", error.message())
 }
 

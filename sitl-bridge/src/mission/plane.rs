@@ -92,6 +92,12 @@ mod tests {
         [MM, MM * lat.to_radians().cos()]
     }
 
+    /// A longitude as it is written on the other side of the date line.
+    fn within_a_turn(lon_e7: i32) -> i32 {
+        let turns = (f64::from(lon_e7) / 3.6e9).round() as i64;
+        (i64::from(lon_e7) - turns * 3_600_000_000) as i32
+    }
+
     const SCALE: Scale = Scale { unit_m: 2.5, step_ms: 2000 };
 
     proptest! {

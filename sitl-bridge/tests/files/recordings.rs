@@ -9,11 +9,11 @@ use super::{bridge, words};
 use firmware_core::actor::{Actor, Mode};
 use firmware_core::gate::Limits;
 use firmware_core::geometry::Vec2;
-use sitl_bridge::autopilot::Dialect;
+use sitl_bridge::autopilot::Firmware;
 use sitl_bridge::frame::{Encoder, Frame, Source};
 use sitl_bridge::mission::{Layers, Mission, Plane, PoiMap, Scale, square_fence};
-use sitl_bridge::node::{FeedForward, Node, Now, Order, Outbox, Settings, Timing, gate_limits};
-use sitl_bridge::replay::{Account, Judge, Replay, Survey};
+use sitl_bridge::node::{FeedForward, HostTime, Node, NodeOutput, OperatorCommand, Settings, StepTiming, gate_limits};
+use sitl_bridge::replay::{RecordingInfo, Replay, ReplayCheck, ReplayReport};
 use sitl_bridge::signing::{LinkSigning, Session};
 use sitl_bridge::tlog::{Note, NoteReader, TlogReader, TlogWriter, flight_folder};
 use std::ffi::{OsStr, OsString};
@@ -50,7 +50,7 @@ fn settings<'a>(actor: Actor<'a>, mission: &Mission, record: bool) -> Settings<'
         actor,
         mission: Arc::new(mission.clone()),
         pois: Arc::new(PoiMap::new(&mission.pois)),
-        timing: Timing::default(),
+        timing: StepTiming::default(),
         limits: gate_limits(Limits::default(), mission),
         feed_forward: FeedForward::Ramp,
         take_off: true,
@@ -83,7 +83,7 @@ struct Recorded {
     node: Node<'static>,
     vehicle: Vehicle,
     unix_us: u64,
-    out: Outbox,
+    out: NodeOutput,
     tlog: TlogWriter,
     /// Added to each recorded time, as when the host's clock was set.
     set_us: i64,
@@ -105,9 +105,9 @@ impl Recorded {
         }
         Self {
             node: Node::new(settings, Session::new()).unwrap(),
-            vehicle: Vehicle::new(Dialect::ArduPilot, &mission, Vec2::from_u(100.0, 100.0)),
+            vehicle: Vehicle::new(Firmware::ArduPilot, &mission, Vec2::from_u(100.0, 100.0)),
             unix_us: START_US,
-            out: Outbox::default(),
+            out: NodeOutput::default(),
             tlog,
             set_us: 0,
             coarse: false,
@@ -116,8 +116,8 @@ impl Recorded {
         }
     }
 
-    fn now(&self) -> Now {
-        Now { wall_ms: (self.unix_us - START_US) / 1000, unix_us: self.unix_us }
+    fn now(&self) -> HostTime {
+        HostTime { wall_ms: (self.unix_us - START_US) / 1000, unix_us: self.unix_us }
     }
 
     fn recorded_us(&self) -> u64 {
@@ -129,7 +129,7 @@ impl Recorded {
     fn flush(&mut self) -> Vec<u16> {
         let at = self.recorded_us();
         let mut commands = Vec::new();
-        for frame in self.out.heard.iter().chain(&self.out.to_swarm).chain(&self.out.to_autopilot) {
+        for frame in self.out.received.iter().chain(&self.out.to_swarm).chain(&self.out.to_autopilot) {
             self.tlog.record(at, frame);
         }
         for frame in std::mem::take(&mut self.out.to_autopilot) {
@@ -145,7 +145,7 @@ impl Recorded {
 
     fn hear(&mut self, frame: &Frame) -> Vec<u16> {
         let now = self.now();
-        self.node.hear_autopilot(frame.bytes(), now, &mut self.out);
+        self.node.receive_autopilot(frame.bytes(), now, &mut self.out);
         self.flush()
     }
 
@@ -185,21 +185,21 @@ impl Recorded {
         self.turn();
     }
 
-    fn obey(&mut self, order: Order) {
+    fn command(&mut self, command: OperatorCommand) {
         let at = self.recorded_us();
-        self.tlog.note(at, 4, &Note::Order(order));
-        self.node.obey(order);
+        self.tlog.note(at, 4, &Note::Command(command));
+        self.node.command(command);
     }
 }
 
-fn replayed(bytes: &[u8]) -> Account {
+fn replayed(bytes: &[u8]) -> ReplayReport {
     let actor = fs::read(ACTOR).unwrap();
     let mission = mission();
-    let survey = Survey::of(&mut TlogReader::new(bytes), None, None).unwrap();
-    assert_eq!((survey.id, survey.system, survey.took_off), (ID, 4, true));
+    let info = RecordingInfo::of(&mut TlogReader::new(bytes), None, None).unwrap();
+    assert_eq!((info.id, info.system, info.took_off), (ID, 4, true));
     let node = Node::new(settings(Actor::load(&actor).unwrap(), &mission, false), Session::new()).unwrap();
-    let mut replay = Replay::new(node, survey, Judge::new(ID, mission.scale, FeedForward::Ramp));
-    TlogReader::new(bytes).for_each(|record| replay.take(&record.unwrap()));
+    let mut replay = Replay::new(node, info, ReplayCheck::new(ID, mission.scale, FeedForward::Ramp));
+    TlogReader::new(bytes).for_each(|record| replay.feed(&record.unwrap()));
     replay.finish()
 }
 
@@ -225,9 +225,9 @@ fn the_replay_takes_its_turns_as_the_node_did() {
             (0..100).for_each(|_| f.tick(true));
         });
         assert!(decisions > 20, "{what}: {decisions}");
-        let account = replayed(&bytes);
-        assert_eq!(account.differences, [], "{what}");
-        assert_eq!((account.decisions, account.equal, account.other_setpoints), (decisions, decisions, 0), "{what}");
+        let report = replayed(&bytes);
+        assert_eq!(report.differences, [], "{what}");
+        assert_eq!((report.decisions, report.equal, report.other_setpoints), (decisions, decisions, 0), "{what}");
     }
 }
 
@@ -243,25 +243,25 @@ fn gaps_in_the_telemetry_are_replayed_too() {
         (0..400).for_each(|_| f.tick(false));
         f.tick(true);
     });
-    let account = replayed(&bytes);
-    assert_eq!(account.differences, []);
-    assert_eq!(account.decisions, decisions);
+    let report = replayed(&bytes);
+    assert_eq!(report.differences, []);
+    assert_eq!(report.decisions, decisions);
 }
 
 #[test]
-fn orders_stand_in_the_recording_and_are_obeyed_again() {
-    for order in [Order::Return, Order::Land, Order::Release] {
+fn commands_stand_in_the_recording_and_are_carried_out_again() {
+    for command in [OperatorCommand::Return, OperatorCommand::Land, OperatorCommand::Release] {
         let fly = |f: &mut Recorded| {
             (0..300).for_each(|_| f.tick(true));
-            f.obey(order);
+            f.command(command);
             (0..30).for_each(|_| f.tick(true));
-            f.obey(Order::Start);
+            f.command(OperatorCommand::Start);
             (0..100).for_each(|_| f.tick(true));
         };
         let (bytes, decisions) = flight(true, fly);
-        let account = replayed(&bytes);
-        assert_eq!((&account.differences[..], account.decisions), (&[][..], decisions), "{order:?}");
-        assert_eq!(account.other_setpoints, 0, "{order:?}");
+        let report = replayed(&bytes);
+        assert_eq!((&report.differences[..], report.decisions), (&[][..], decisions), "{command:?}");
+        assert_eq!(report.other_setpoints, 0, "{command:?}");
     }
 }
 
@@ -405,7 +405,7 @@ fn each_flight_has_a_folder_of_its_own() {
 
 /// The program itself writes what was flown and what was typed.
 #[test]
-fn a_flight_records_its_settings_and_orders() {
+fn a_flight_records_its_settings_and_commands() {
     let folder = tempfile::tempdir().unwrap();
     let (tlog, mission_file) = (folder.path().join("a.tlog"), folder.path().join("m.toml"));
     fs::write(&mission_file, mission().to_toml("")).unwrap();
@@ -427,7 +427,7 @@ fn a_flight_records_its_settings_and_orders() {
         records.iter().filter(|r| Note::is_piece(&r.frame, 4)).filter_map(|r| reader.take(&r.frame)).collect::<Vec<_>>()
     };
     // It is on the disk while the program runs.
-    while !notes().contains(&Note::Order(Order::Return)) {
+    while !notes().contains(&Note::Command(OperatorCommand::Return)) {
         assert!(node.try_wait().unwrap().is_none(), "it ended");
         std::thread::yield_now();
     }
@@ -444,5 +444,5 @@ fn a_flight_records_its_settings_and_orders() {
         (Some("simulation"), Some(ID), Some("0"))
     );
     let epoch = Note::Epoch(Some(mission().epoch_unix_ms));
-    assert_eq!(notes[1..], [epoch, Note::Order(Order::Return), Note::Order(Order::Release)]);
+    assert_eq!(notes[1..], [epoch, Note::Command(OperatorCommand::Return), Note::Command(OperatorCommand::Release)]);
 }

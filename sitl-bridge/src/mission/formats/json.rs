@@ -1,6 +1,6 @@
 //! JSON texts, one or several, and what is said when they are broken.
 
-use super::error::{Fault, broken};
+use crate::mission::fault::{Fault, broken};
 use serde_json::error::Category;
 use serde_json::{Deserializer, Value};
 

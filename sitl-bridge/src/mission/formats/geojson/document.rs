@@ -1,32 +1,23 @@
-//! Missions drawn on a map: GeoJSON whose points are PoIs and whose polygon, if it has one, is the fence. Everything
-//! else stands in a member `covey`, beside `features`.
-//!
-//! Read are a `FeatureCollection`, a single feature or geometry, and a sequence of them: one a line, or with record
-//! separators (RFC 8142).
+//! A GeoJSON text: its features, and the member `covey`.
 
-mod crs;
-mod geometry;
-
-use super::drawing::{Drawing, Order};
-use super::error::{Fault, broken, fault};
-use super::file::MissionFile;
-use super::json;
+use super::kind::{kind, lead};
+use super::{crs, geometry};
+use crate::mission::drawing::{Drawing, Order};
+use crate::mission::fault::{Fault, broken, fault};
+use crate::mission::file::MissionFile;
+use crate::mission::formats::json;
 use serde_json::{Map, Value};
-
-/// Kinds of geometry, by the names that RFC 7946 gives them.
-const GEOMETRIES: [&str; 7] =
-    ["Point", "MultiPoint", "LineString", "MultiLineString", "Polygon", "MultiPolygon", "GeometryCollection"];
 
 /// What a GeoJSON file says.
 #[derive(Debug)]
-pub(super) struct Read {
+pub(in crate::mission) struct Read {
     /// The member `covey`, where there is one.
     pub covey: Option<MissionFile>,
     pub drawing: Drawing,
 }
 
 /// Reads a text.
-pub(super) fn read(text: &str) -> Result<Read, Fault> {
+pub(in crate::mission) fn read(text: &str) -> Result<Read, Fault> {
     let records = json::values(text)?;
     let is_sequence = records.len() > 1 || text.trim_start().starts_with('\u{1e}');
     let mut read = Read { covey: None, drawing: Drawing::new(Order::LonLat) };
@@ -109,35 +100,4 @@ fn feature(drawing: &mut Drawing, object: &Map<String, Value>, at: &str) -> Resu
             Err(fault(&format!("{at}.geometry"), format!("is {}; it is an object or null", json::named(other))))
         }
     }
-}
-
-/// The member `type`, one of those there are.
-fn kind<'o>(object: &'o Map<String, Value>, at: &str) -> Result<&'o str, Fault> {
-    let place = lead(at);
-    let kind = match object.get("type") {
-        Some(Value::String(kind)) => kind.as_str(),
-        Some(other) => {
-            return Err(broken(format!("{place}`type` is {}; it is a text such as \"Feature\"", json::named(other))));
-        }
-        None => {
-            let cased = object.keys().find(|key| key.eq_ignore_ascii_case("type"));
-            let hint = cased.map(|key| format!(" (`{key}` is written `type`)")).unwrap_or_default();
-            return Err(broken(format!("{place}the member `type` is missing{hint}: is it GeoJSON?")));
-        }
-    };
-    let all = || GEOMETRIES.into_iter().chain(["Feature", "FeatureCollection"]);
-    if all().any(|known| known == kind) {
-        return Ok(kind);
-    }
-    let near = all().find(|known| known.eq_ignore_ascii_case(kind.trim()));
-    Err(broken(match near {
-        Some(known) => format!("{place}the type \"{kind}\" is written \"{known}\": upper and lower case count"),
-        None => {
-            format!("{place}\"{kind}\" is no type of GeoJSON; PoIs are Point or MultiPoint, the fence is a Polygon")
-        }
-    }))
-}
-
-fn lead(at: &str) -> String {
-    if at.is_empty() { String::new() } else { format!("{at}: ") }
 }

@@ -1,16 +1,16 @@
 //! QGroundControl's plans: waypoints are PoIs, the fence's inclusion is the fence.
 
-use super::drawing::{Drawing, Order, Spot};
-use super::error::{Fault, broken, fault};
 use super::json::{named, values};
 use super::ring;
+use crate::mission::drawing::{Drawing, Order, Spot};
+use crate::mission::fault::{Fault, broken, fault};
 use serde_json::Value;
 
 /// MAV_CMD_NAV_WAYPOINT and MAV_CMD_NAV_SPLINE_WAYPOINT.
 pub(super) const WAYPOINTS: [u64; 2] = [16, 82];
 
 /// Reads a plan.
-pub(super) fn read(text: &str) -> Result<Drawing, Fault> {
+pub(in crate::mission) fn read(text: &str) -> Result<Drawing, Fault> {
     let records = values(text)?;
     let [record] = &records[..] else { return Err(broken("a plan is one JSON object")) };
     let plan = &record.value;

@@ -1,11 +1,8 @@
 //! A round fence as corners.
 
-use super::drawing::{Drawing, Spot};
-use super::error::{Fault, fault};
-use super::outline::MOST_CORNERS;
-
-/// Metres in a degree of latitude, as [`super::Plane`] has them.
-const METRES: f64 = 111_318.845;
+use crate::mission::drawing::{Drawing, METRES_PER_DEGREE, Spot, turned_back};
+use crate::mission::fault::{Fault, fault};
+use crate::mission::outline::MOST_CORNERS;
 
 /// Takes a circle as the fence: the polygon with the most corners that lies inside it.
 pub(super) fn draw(drawing: &mut Drawing, at: &str, (lat, lon): (f64, f64), radius_m: f64) -> Result<(), Fault> {
@@ -19,9 +16,9 @@ pub(super) fn draw(drawing: &mut Drawing, at: &str, (lat, lon): (f64, f64), radi
     }
     let corner = |i: usize| {
         let (sin, cos) = (i as f64 / MOST_CORNERS as f64 * std::f64::consts::TAU).sin_cos();
-        let lat = centre.lat + radius_m / METRES * sin;
-        let lon = centre.lon + radius_m / METRES / centre.lat.to_radians().cos() * cos;
-        Spot { at: format!("{at} corner {i}"), lat, lon: super::drawing::turned_back(lon), alt_m: None }
+        let lat = centre.lat + radius_m / METRES_PER_DEGREE * sin;
+        let lon = centre.lon + radius_m / METRES_PER_DEGREE / centre.lat.to_radians().cos() * cos;
+        Spot { at: format!("{at} corner {i}"), lat, lon: turned_back(lon), alt_m: None }
     };
     let corners = (0..MOST_CORNERS).map(corner).collect();
     drawing.notes.push(format!("{at}: the circle of {radius_m} m becomes a fence of {MOST_CORNERS} corners inside it"));

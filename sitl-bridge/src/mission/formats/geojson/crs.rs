@@ -1,6 +1,6 @@
 //! The member `crs` of earlier GeoJSON: only degrees on WGS 84 are read.
 
-use crate::mission::error::{Fault, broken};
+use crate::mission::fault::{Fault, broken};
 use serde_json::{Map, Value};
 
 /// Refuses any other reference system by its name.

@@ -1,6 +1,6 @@
 //! PoIs that no UAV can cover, or that are there twice: what the operator should hear before the flight.
 
-use super::Mission;
+use super::definition::Mission;
 use firmware_core::gate::{Limits, Vector};
 use firmware_core::geometry::{COVERAGE_RANGE_U, Vec2};
 
@@ -21,12 +21,12 @@ pub(super) struct Poi {
 
 /// The PoIs of a mission, looked over.
 #[derive(Debug)]
-pub(super) struct Survey {
+pub(super) struct PoiCheck {
     pub on_map: Vec<Poi>,
     pub off_map: Vec<Poi>,
 }
 
-impl Survey {
+impl PoiCheck {
     pub(super) fn of(mission: &Mission, pois: Vec<Poi>) -> Self {
         let side = Mission::ticks_of_u(mission.side_u, mission.side_u).x;
         let on_map = |p: &Poi| (0..=side).contains(&p.place.x) && (0..=side).contains(&p.place.y);

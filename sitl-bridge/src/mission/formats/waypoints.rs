@@ -1,9 +1,9 @@
 //! Waypoint lists, `QGC WPL 110`: Mission Planner's, MAVProxy's and QGroundControl's, those of fences among them.
 
-use super::drawing::{Drawing, Order, Spot};
-use super::error::{Fault, broken, fault};
 use super::plan::{WAYPOINTS, keep_out, say};
 use super::ring;
+use crate::mission::drawing::{Drawing, Order, Spot};
+use crate::mission::fault::{Fault, broken, fault};
 
 /// MAV_CMD_NAV_FENCE_* and MAV_CMD_NAV_RALLY_POINT.
 const INCLUDED_CORNER: u64 = 5001;
@@ -15,7 +15,7 @@ const RALLY: u64 = 5100;
 const COLUMNS: usize = 12;
 
 /// Reads a list.
-pub(super) fn read(text: &str) -> Result<Drawing, Fault> {
+pub(in crate::mission) fn read(text: &str) -> Result<Drawing, Fault> {
     let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
     let head = lines.next().map_or("", |(_, line)| line.trim());
     match head.strip_prefix("QGC WPL").map(str::trim) {

@@ -1,7 +1,7 @@
 //! Tables of points: a header that names latitude and longitude, or two columns in that order.
 
-use super::drawing::{Drawing, Order};
-use super::error::{Fault, broken, fault};
+use crate::mission::drawing::{Drawing, Order};
+use crate::mission::fault::{Fault, broken, fault};
 
 /// Names of columns, in lower case and without marks; the first that is there counts.
 const LATITUDE: [&str; 9] =
@@ -40,7 +40,7 @@ pub(super) fn is_table(line: &str) -> bool {
 }
 
 /// Reads a table.
-pub(super) fn read(text: &str) -> Result<Drawing, Fault> {
+pub(in crate::mission) fn read(text: &str) -> Result<Drawing, Fault> {
     let mut text = text;
     let mut offset = 0;
     let mut separator_said = None;

@@ -1,15 +1,15 @@
 //! Places of Google Earth and its kin: points of placemarks are PoIs, a polygon is the fence.
 
-use super::drawing::{Drawing, Order, Spot};
-use super::error::{Fault, broken, fault};
-use super::text::Lines;
+use crate::mission::drawing::{Drawing, Order, Spot};
+use crate::mission::fault::{Fault, broken, fault};
+use crate::mission::text::Lines;
 use roxmltree::{Document, Node};
 
 /// Shapes that hold no place of their own.
 const OVERLAYS: [&str; 5] = ["GroundOverlay", "ScreenOverlay", "PhotoOverlay", "Model", "Track"];
 
 /// Reads a document.
-pub(super) fn read(text: &str) -> Result<Drawing, Fault> {
+pub(in crate::mission) fn read(text: &str) -> Result<Drawing, Fault> {
     let document = Document::parse(text).map_err(|e| broken(format!("broken XML: {e}")))?;
     let lines = Lines::of(text);
     let root = document.root_element();

@@ -1,9 +1,10 @@
 //! Geometries: which are PoIs, which the fence, and which nothing that a mission knows.
 
-use super::{crs, kind, lead};
+use super::crs;
+use super::kind::{kind, lead};
 use crate::mission::drawing::{Drawing, Spot};
-use crate::mission::error::{Fault, broken, fault};
-use crate::mission::json;
+use crate::mission::fault::{Fault, broken, fault};
+use crate::mission::formats::json;
 use serde_json::{Map, Value};
 
 /// Draws a geometry. Its place in the file is `at`.
