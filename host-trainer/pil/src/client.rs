@@ -7,7 +7,7 @@ use crate::exchange::{Exchange, Options, name};
 use firmware_core::geometry::{State, Vec2};
 use firmware_core::message::{MAX_LEN, Message};
 use firmware_core::neighbour_table::Moment;
-use firmware_core::pil::{Decided, Hear, MAX_CASES, RequestError, Reply, Request, Setup, Status};
+use firmware_core::pil::{Decided, Hear, MAX_CASES, Reply, Request, RequestError, Setup, Status};
 use std::io::{Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::Duration;

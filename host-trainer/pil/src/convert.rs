@@ -4,7 +4,7 @@ use crate::answers::{BoardReport, HearOutcome, Observed};
 use crate::error::PilError;
 use firmware_core::geometry::{OBSERVATION_RANGE_U, State, TICKS_PER_U, Vec2};
 use firmware_core::neighbour_table::Moment;
-use firmware_core::pil::{Decided, MAX_POIS, Observe, POI_BYTES, RequestError, Reply, Report, Request};
+use firmware_core::pil::{Decided, MAX_POIS, Observe, POI_BYTES, Reply, Report, Request, RequestError};
 
 /// Decodes an answer and converts it with `pick`; an answer that `pick` does not take is unexpected.
 pub(crate) fn read<T>(

@@ -1,7 +1,9 @@
 //! Requests and answers as frames on a stream, with time-outs and repetition.
 
 use crate::error::PilError;
-use firmware_core::pil::{Deframer, FrameError, MAX_REPLY, MAX_REQUEST, Request, UNASKED, frame_len, encode_frame, decode_frame};
+use firmware_core::pil::{
+    Deframer, FrameError, MAX_REPLY, MAX_REQUEST, Request, UNASKED, decode_frame, encode_frame, frame_len,
+};
 use std::collections::VecDeque;
 use std::io::{Error, ErrorKind, Read, Write};
 use std::time::{Duration, Instant};
@@ -158,7 +160,9 @@ impl<S: Read + Write> Exchange<S> {
             self.tag = if self.tag == u8::MAX { UNASKED + 1 } else { self.tag + 1 };
             tags.push(self.tag);
             let mut buffer = [0; frame_len(MAX_REQUEST)];
-            bytes.extend_from_slice(encode_frame(self.tag, request, &mut buffer).ok_or(Error::from(ErrorKind::InvalidInput))?);
+            bytes.extend_from_slice(
+                encode_frame(self.tag, request, &mut buffer).ok_or(Error::from(ErrorKind::InvalidInput))?,
+            );
         }
         self.stream.write_all(&bytes)?;
         self.stream.flush()?;

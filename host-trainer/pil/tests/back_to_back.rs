@@ -77,7 +77,8 @@ fn messages(step: u32, draws: &[(i32, i32, i8)], actor: &Actor<'_>) -> (Vec<Mess
         let header = Header { id, sequence: step as u16, step };
         let state = State { position: Vec2 { x: 100_000 + x, y: 100_000 + y }, velocity: Vec2 { x: y / 8, y: x / 8 } };
         let values = vec![r & 127; width];
-        let feature = FeatureMessage::new(header, 1 + (id % 17) as u8, actor.message_hash(), i16::from(r), &values).unwrap();
+        let feature =
+            FeatureMessage::new(header, 1 + (id % 17) as u8, actor.message_hash(), i16::from(r), &values).unwrap();
         (Message::Beacon(Beacon::new(header, time_ms, state, r)), Message::Feature(feature))
     });
     both.unzip()
