@@ -1,6 +1,6 @@
 //! What can be wrong with a geofence.
 
-use super::polygon::MAX_CORNERS;
+use super::corners::MAX_CORNERS;
 
 /// A fence that cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
