@@ -5,7 +5,7 @@
 //!
 //! ```no_run
 //! # use covey_pil::{Client, PilError, Options};
-//! # use firmware_core::{geometry::{State, Vec2}, link::Setup, message::Message, neighbour_table::Moment};
+//! # use firmware_core::{geometry::{State, Vec2}, pil::Setup, message::Message, neighbour_table::Moment};
 //! # fn main() -> Result<(), PilError> {
 //! # let (state, pois, beacons, features) = (State::default(), [Vec2::default()], [], []);
 //! # let broadcast = |_: &[u8]| {};
