@@ -41,6 +41,7 @@ mod verdict;
 
 pub use altitude_layer::altitude_layer_mm;
 pub use circle::Circle;
+
 pub use failsafe::{Clock, FailsafeAction, Recovery};
 pub use fingerprint::{FINGERPRINT_TICKS, fingerprint};
 pub use geofence::Geofence;
