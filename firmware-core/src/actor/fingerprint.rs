@@ -38,7 +38,7 @@ impl Fingerprint {
     /// neighbours (case mod 17), its feature, its logits and a sampled action.
     pub fn add_case<O: ActorInput>(&mut self, actor: &QuantisedActor<'_, O>) {
         let mut random = Xoshiro128PlusPlus::seed_from_u64(0x5160_0000_0000 | u64::from(self.case));
-        let own = actor.encode(&O::draw(&mut random));
+        let own = actor.encode(&O::random(&mut random));
         let count = (self.case % (MAX_NEIGHBOURS as u32 + 1)) as usize;
         let mut heads = [(1u8, 0i16); MAX_NEIGHBOURS];
         for (values, head) in self.features.iter_mut().zip(&mut heads).take(count) {

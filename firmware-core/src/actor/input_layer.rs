@@ -9,10 +9,10 @@ use rand_xoshiro::rand_core::Rng;
 
 /// A form of the observation that an actor can fly with.
 pub trait ActorInput: BuildObservation {
-    /// The first layer, read in place.
-    type First<'a>: Copy + Debug + Send + Sync;
+    /// The first layer of an actor with this form, read in place.
+    type InputLayer<'a>: Copy + Debug + Send + Sync;
     /// The length, for people.
-    const LEN_TEXT: &'static str;
+    const LEN_IN_WORDS: &'static str;
 
     /// Bytes of weights of a first layer of this many rows.
     fn weight_bytes(rows: usize) -> usize;
@@ -21,34 +21,38 @@ pub trait ActorInput: BuildObservation {
     ///
     /// # Errors
     /// [`LayerError`] when they end before it does, or hold a number out of bounds.
-    fn take<'a>(weights: &mut &'a [u8], tables: &mut &'a [u8], rows: usize) -> Result<Self::First<'a>, LayerError>;
+    fn take_layer<'a>(
+        weights: &mut &'a [u8],
+        tables: &mut &'a [u8],
+        rows: usize,
+    ) -> Result<Self::InputLayer<'a>, LayerError>;
 
     /// Writes what the first layer makes of this observation: int8, from 0 on.
-    fn apply(&self, first: &Self::First<'_>, out: &mut [i16]);
+    fn apply(&self, first: &Self::InputLayer<'_>, out: &mut [i16]);
 
     /// The bytes of an observation that a self-test vector begins with, and those behind it.
-    fn split(bytes: &[u8]) -> Option<(&[u8], &[u8])>;
+    fn split_bytes(bytes: &[u8]) -> Option<(&[u8], &[u8])>;
 
-    /// The observation of bytes that [`Self::split`] gave.
-    fn read(bytes: &[u8]) -> Self;
+    /// The observation of bytes that [`Self::split_bytes`] gave.
+    fn from_bytes(bytes: &[u8]) -> Self;
 
-    /// Writes it as [`Self::split`] reads it, byte by byte, until `put` refuses one.
-    fn write(&self, put: &mut impl FnMut(u8) -> Option<()>) -> Option<()>;
+    /// Writes it as [`Self::split_bytes`] reads it, byte by byte, until `put` refuses one.
+    fn write_bytes(&self, put: &mut impl FnMut(u8) -> Option<()>) -> Option<()>;
 
-    /// A pseudo-random one, for signatures.
-    fn draw(random: &mut Xoshiro128PlusPlus) -> Self;
+    /// A pseudo-random observation, for fingerprints.
+    fn random(random: &mut Xoshiro128PlusPlus) -> Self;
 }
 
 impl ActorInput for Observation {
-    type First<'a> = Layer<'a>;
-    const LEN_TEXT: &'static str = "160";
+    type InputLayer<'a> = Layer<'a>;
+    const LEN_IN_WORDS: &'static str = "160";
 
     fn weight_bytes(rows: usize) -> usize {
         Layer::weight_bytes(rows, LEN)
     }
 
     #[inline]
-    fn take<'a>(weights: &mut &'a [u8], tables: &mut &'a [u8], rows: usize) -> Result<Layer<'a>, LayerError> {
+    fn take_layer<'a>(weights: &mut &'a [u8], tables: &mut &'a [u8], rows: usize) -> Result<Layer<'a>, LayerError> {
         Layer::take(weights, tables, rows, LEN)
     }
 
@@ -62,12 +66,12 @@ impl ActorInput for Observation {
     }
 
     #[inline]
-    fn split(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
+    fn split_bytes(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
         bytes.split_at_checked(LEN)
     }
 
     #[inline]
-    fn read(bytes: &[u8]) -> Self {
+    fn from_bytes(bytes: &[u8]) -> Self {
         let mut observation = [0; LEN];
         for (o, &b) in observation.iter_mut().zip(bytes) {
             *o = b as i8;
@@ -75,12 +79,12 @@ impl ActorInput for Observation {
         observation
     }
 
-    fn write(&self, put: &mut impl FnMut(u8) -> Option<()>) -> Option<()> {
+    fn write_bytes(&self, put: &mut impl FnMut(u8) -> Option<()>) -> Option<()> {
         self.iter().try_for_each(|&o| put(o as u8))
     }
 
     #[inline]
-    fn draw(random: &mut Xoshiro128PlusPlus) -> Self {
+    fn random(random: &mut Xoshiro128PlusPlus) -> Self {
         let mut observation = [0; LEN];
         // One number in four is zero, as in real observations with absent entries.
         observation.iter_mut().for_each(|o| {
@@ -116,14 +120,18 @@ impl SparseLayer<'_> {
 }
 
 impl ActorInput for Cells {
-    type First<'a> = SparseLayer<'a>;
-    const LEN_TEXT: &'static str = "1116";
+    type InputLayer<'a> = SparseLayer<'a>;
+    const LEN_IN_WORDS: &'static str = "1116";
 
     fn weight_bytes(rows: usize) -> usize {
         cells::LEN * rows.next_multiple_of(BLOCK)
     }
 
-    fn take<'a>(weights: &mut &'a [u8], tables: &mut &'a [u8], rows: usize) -> Result<SparseLayer<'a>, LayerError> {
+    fn take_layer<'a>(
+        weights: &mut &'a [u8],
+        tables: &mut &'a [u8],
+        rows: usize,
+    ) -> Result<SparseLayer<'a>, LayerError> {
         let (own, rest) = weights.split_at_checked(Self::weight_bytes(rows)).ok_or(LayerError::Short)?;
         *weights = rest;
         let Rectified { biases, multipliers } = Rectified::take(tables, rows)?;
@@ -149,15 +157,15 @@ impl ActorInput for Cells {
         }
     }
 
-    fn split(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
+    fn split_bytes(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
         let count = usize::from(*bytes.first()?);
         let (own, rest) = bytes.split_at_checked(3 + 2 * count)?;
-        let read = Self::read(own);
+        let read = Self::from_bytes(own);
         // Whatever a list may not hold is left out there.
         (count <= MAX_ACTIVE && read.active().len() == count).then_some((own, rest))
     }
 
-    fn read(bytes: &[u8]) -> Self {
+    fn from_bytes(bytes: &[u8]) -> Self {
         match bytes {
             &[_, x, y, ref ones @ ..] => {
                 Self::new([x as i8, y as i8], ones.as_chunks().0.iter().map(|&b| u16::from_le_bytes(b)))
@@ -166,7 +174,7 @@ impl ActorInput for Cells {
         }
     }
 
-    fn write(&self, put: &mut impl FnMut(u8) -> Option<()>) -> Option<()> {
+    fn write_bytes(&self, put: &mut impl FnMut(u8) -> Option<()>) -> Option<()> {
         let [x, y] = self.velocity();
         put(self.active().len() as u8)?;
         put(x as u8)?;
@@ -174,7 +182,7 @@ impl ActorInput for Cells {
         self.active().iter().flat_map(|one| one.to_le_bytes()).try_for_each(put)
     }
 
-    fn draw(random: &mut Xoshiro128PlusPlus) -> Self {
+    fn random(random: &mut Xoshiro128PlusPlus) -> Self {
         let mut below = |n: usize| ((u64::from(random.next_u32()) * n as u64) >> 32) as usize;
         let velocity = [below(255), below(255)].map(|v| (v as i32 - 127) as i8);
         let count = below(MAX_ACTIVE + 1);
@@ -199,7 +207,7 @@ mod tests {
 
     /// Every number of the observation times its weight.
     #[test]
-    fn a_gather_is_the_dense_layer() {
+    fn a_sparse_layer_is_the_dense_layer() {
         for rows in [1usize, 2, 8, 13, 128] {
             let stride = rows.next_multiple_of(8);
             let weights: Vec<u8> = (0..1116 * stride).map(noise).collect();
@@ -208,10 +216,10 @@ mod tests {
             let tables: Vec<u8> =
                 (0..rows).map(bias).chain((0..rows).map(multiplier)).flat_map(i32::to_le_bytes).collect();
             let (mut w, mut t) = (&weights[..], &tables[..]);
-            let layer = Cells::take(&mut w, &mut t, rows).unwrap();
+            let layer = Cells::take_layer(&mut w, &mut t, rows).unwrap();
             assert!(w.is_empty() && t.is_empty());
             for seed in 0..20 {
-                let cells = Cells::draw(&mut Xoshiro128PlusPlus::seed_from_u64(seed));
+                let cells = Cells::random(&mut Xoshiro128PlusPlus::seed_from_u64(seed));
                 let mut out = [-1i16; MAX_ROWS];
                 cells.apply(&layer, &mut out);
                 for (r, &out) in out.iter().enumerate().take(rows) {
@@ -230,19 +238,19 @@ mod tests {
     #[test]
     fn what_is_written_is_read() {
         for seed in 0..50 {
-            let cells = Cells::draw(&mut Xoshiro128PlusPlus::seed_from_u64(seed));
+            let cells = Cells::random(&mut Xoshiro128PlusPlus::seed_from_u64(seed));
             let mut bytes = Vec::new();
-            cells.write(&mut |b| {
+            cells.write_bytes(&mut |b| {
                 bytes.push(b);
                 Some(())
             });
             bytes.push(9);
-            let (own, rest) = Cells::split(&bytes).unwrap();
-            assert_eq!((Cells::read(own), rest), (cells, &[9][..]));
+            let (own, rest) = Cells::split_bytes(&bytes).unwrap();
+            assert_eq!((Cells::from_bytes(own), rest), (cells, &[9][..]));
         }
-        assert!(Cells::split(&[]).is_none() && Cells::split(&[1, 0, 0, 5]).is_none(), "cut short");
-        assert!(Cells::split(&[1, 0, 0, VELOCITY as u8, 0]).is_none(), "a velocity is no one");
-        assert!(Cells::split(&[1, 0, 0, 0xff, 0xff]).is_none(), "no such number");
-        assert!(Cells::split(&[121; 300]).is_none(), "too many");
+        assert!(Cells::split_bytes(&[]).is_none() && Cells::split_bytes(&[1, 0, 0, 5]).is_none(), "cut short");
+        assert!(Cells::split_bytes(&[1, 0, 0, VELOCITY as u8, 0]).is_none(), "a velocity is no one");
+        assert!(Cells::split_bytes(&[1, 0, 0, 0xff, 0xff]).is_none(), "no such number");
+        assert!(Cells::split_bytes(&[121; 300]).is_none(), "too many");
     }
 }

@@ -32,7 +32,7 @@ pub struct QuantisedActor<'a, O: ActorInput> {
     pub(super) content_hash: u64,
     pub(super) provenance: Provenance<'a>,
     pub(super) self_tests: &'a [u8],
-    pub(super) encoder1: O::First<'a>,
+    pub(super) encoder1: O::InputLayer<'a>,
     pub(super) encoder2: Layer<'a>,
     pub(super) attention: Layer<'a>,
     pub(super) graph: Layer<'a>,

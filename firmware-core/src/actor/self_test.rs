@@ -43,7 +43,7 @@ const NEIGHBOUR_HEAD: usize = 3;
 
 impl<'a, O: ActorInput> SelfTest<'a, O> {
     fn take(bytes: &mut &'a [u8], feature: usize) -> Option<Self> {
-        let (observation, rest) = O::split(bytes)?;
+        let (observation, rest) = O::split_bytes(bytes)?;
         let (&[degree, count], rest) = rest.split_first_chunk::<2>()?;
         if !(1..=MAX_DEGREE).contains(&degree) || usize::from(count) > MAX_NEIGHBOURS {
             return None;
@@ -55,7 +55,7 @@ impl<'a, O: ActorInput> SelfTest<'a, O> {
     }
 
     fn holds(&self, actor: &QuantisedActor<'_, O>) -> bool {
-        let own = actor.encode(&O::read(self.observation));
+        let own = actor.encode(&O::from_bytes(self.observation));
         let neighbours =
             self.neighbours.chunks_exact((NEIGHBOUR_HEAD + self.feature).max(1)).map(|record| match record {
                 &[degree, low, high, ref feature @ ..] => NeighbourFeature {
@@ -103,7 +103,7 @@ pub fn write_self_test<O: ActorInput>(
         at += 1;
         Some(())
     };
-    observation.write(&mut put)?;
+    observation.write_bytes(&mut put)?;
     put(degree)?;
     put(neighbours.len() as u8)?;
     for n in neighbours {

@@ -1,6 +1,6 @@
 //! The geofence around a place: its boundaries, their directions and distances.
 
-use super::polygon::MAX_CORNERS;
+use super::geofence_error::MAX_CORNERS;
 use super::vector::{Unit, Vector, difference};
 use heapless::Vec;
 

@@ -2,8 +2,8 @@
 
 use super::boundary::{Boundary, GeofenceView};
 use super::circle::Circle;
-use super::geofence_error::GeofenceError;
-use super::polygon::{MAX_CORNERS, check_crossings, crosses_ray, doubled_area, edges, sharpest};
+use super::geofence_error::{GeofenceError, MAX_CORNERS};
+use super::polygon::{check_crossings, crosses_ray, doubled_area, edges, sharpest};
 use super::vector::{POSITION_LIMIT_MM, Vector};
 use heapless::Vec;
 

@@ -1,6 +1,7 @@
-//! What can be wrong with a geofence.
+//! What a geofence may be, and what can be wrong with one.
 
-use super::polygon::MAX_CORNERS;
+/// Most corners of a geofence.
+pub const MAX_CORNERS: usize = 16;
 
 /// A fence that cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

@@ -41,14 +41,14 @@ mod verdict;
 
 pub use altitude_layer::altitude_layer_mm;
 pub use circle::Circle;
+
 pub use failsafe::{Clock, FailsafeAction, Recovery};
 pub use fingerprint::{FINGERPRINT_TICKS, fingerprint};
 pub use geofence::Geofence;
-pub use geofence_error::GeofenceError;
+pub use geofence_error::{GeofenceError, MAX_CORNERS};
 pub use inputs::{FlightMode, Inputs, Measured, Proposal, Request};
 pub use limits::{Limits, LimitsError, SwarmLoss};
 pub use phase::Phase;
-pub use polygon::MAX_CORNERS;
 pub use reason::Reason;
 pub use safety_gate::Gate;
 pub use setpoint_limiter::ROUNDING_MM_S;

@@ -3,8 +3,6 @@
 use super::geofence_error::GeofenceError;
 use super::vector::{Unit, Vector, difference};
 
-/// Most corners of a geofence.
-pub const MAX_CORNERS: usize = 16;
 /// Least half-angle of a corner, as its sine in 32,768ths: corners of 30° and more.
 const LEAST_HALF_ANGLE: u32 = 8400;
 

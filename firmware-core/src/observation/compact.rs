@@ -4,7 +4,7 @@ use super::candidates::{MAX_VALUE, candidate_values, ring_values};
 use super::exploration::exploration_values;
 use super::form::BuildObservation;
 use super::layout::{CANDIDATES, ID, LEN, OWN, Observation, PER_NEIGHBOUR, PER_POI, PLACES};
-use super::layout::{SEEN_NEIGHBOURS, SEEN_POIS, SUMS};
+use super::layout::{DESCRIBED_NEIGHBOURS, DESCRIBED_POIS, SUMS};
 use super::neighbours::{COMMUNICATION_RANGE, MAX_NEIGHBOURS};
 use super::poi::{OBSERVATION_RANGE, VisiblePois};
 use super::scale::{scaled, scaled_by};
@@ -59,9 +59,9 @@ pub fn observe(scene: &Scene<'_>, pois: impl IntoIterator<Item = Vec2>) -> Obser
         scaled::<COMMUNICATION_RANGE>(target.fine.y),
         scaled::<{ 2 * SPEED_CAP }>(target.velocity_change.x),
         scaled::<{ 2 * SPEED_CAP }>(target.velocity_change.y),
-        scaled::<{ 20 * SEEN_POIS as i32 }>(target.covered),
+        scaled::<{ 20 * DESCRIBED_POIS as i32 }>(target.covered),
     ]);
-    let (near, far) = rest.split_at_mut(SEEN_NEIGHBOURS * PER_NEIGHBOUR);
+    let (near, far) = rest.split_at_mut(DESCRIBED_NEIGHBOURS * PER_NEIGHBOUR);
     for (slot, n) in near.chunks_exact_mut(PER_NEIGHBOUR).zip(neighbours) {
         let has_priority = scene.has_priority_over(n);
         slot.copy_from_slice(&[

@@ -3,11 +3,11 @@
 /// Identifies this form of the observation in actor files.
 pub const ID: u16 = 2;
 /// Neighbours described in the observation (the nearest).
-pub const SEEN_NEIGHBOURS: usize = 6;
+pub(super) const DESCRIBED_NEIGHBOURS: usize = 6;
 /// PoIs described in the observation (the nearest).
-pub const SEEN_POIS: usize = 22;
+pub(super) const DESCRIBED_POIS: usize = 22;
 /// Length of an observation.
-pub const LEN: usize = OWN + PLACES + SEEN_NEIGHBOURS * PER_NEIGHBOUR + SEEN_POIS * PER_POI;
+pub const LEN: usize = OWN + PLACES + DESCRIBED_NEIGHBOURS * PER_NEIGHBOUR + DESCRIBED_POIS * PER_POI;
 /// Index of the change of velocity that flies to the target, east and north, in 8 u/step / 127.
 pub const TARGET_VELOCITY_CHANGE: usize = OWN + SUMS + CANDIDATES + 5;
 

@@ -49,6 +49,6 @@ mod tests;
 
 pub use compact::observe;
 pub use form::BuildObservation;
-pub use layout::{ID, LEN, Observation, SEEN_NEIGHBOURS, SEEN_POIS, TARGET_VELOCITY_CHANGE};
+pub use layout::{ID, LEN, Observation, TARGET_VELOCITY_CHANGE};
 pub use neighbours::{MAX_NEIGHBOURS, Neighbour, Neighbours};
 pub use scene::{HALF_SIDE_LIMIT, Scene};

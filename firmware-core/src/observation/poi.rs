@@ -1,6 +1,6 @@
 //! The PoIs in view: which neighbours cover them, and which are nearest.
 
-use super::layout::SEEN_POIS;
+use super::layout::DESCRIBED_POIS;
 use super::nearest::insert_sorted;
 use super::scene::Scene;
 use crate::geometry::{COVERAGE_RANGE_U, OBSERVATION_RANGE_U, TICKS_PER_U, Vec2, div_round};
@@ -107,7 +107,7 @@ impl AvailablePois {
 /// The PoIs in view.
 pub(super) struct VisiblePois {
     /// The nearest, nearest first (equal distances by offset).
-    pub(super) nearest: Vec<VisiblePoi, SEEN_POIS>,
+    pub(super) nearest: Vec<VisiblePoi, DESCRIBED_POIS>,
     /// The available ones among them all.
     pub(super) available: AvailablePois,
 }

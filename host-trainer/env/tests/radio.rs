@@ -148,7 +148,7 @@ fn settings_out_of_range_are_refused() {
     assert_eq!(refused(&default, 0), RadioError::Nodes(0));
     assert_eq!(refused(&default, MAX_NODES + 1), RadioError::Nodes(MAX_NODES + 1));
     let bad = RadioSettings { loss: 1.1, ..default };
-    assert_eq!(refused(&bad, 2), RadioError::Share { key: "loss", value: 1.1 });
+    assert_eq!(refused(&bad, 2), RadioError::Probability { key: "loss", value: 1.1 });
 }
 
 fn any_settings() -> impl Strategy<Value = RadioSettings> {

@@ -225,5 +225,5 @@ fn an_observer_refuses_settings_out_of_range() {
     assert_eq!(RadioObserver::new(0).unwrap_err(), RadioError::Nodes(0));
     let mut over = RadioObserver::new(2).unwrap();
     let bad = RadioSettings { loss: 2.0, ..RadioSettings::default() };
-    assert_eq!(over.begin(1, 1, &bad), Err(RadioError::Share { key: "loss", value: 2.0 }));
+    assert_eq!(over.begin(1, 1, &bad), Err(RadioError::Probability { key: "loss", value: 2.0 }));
 }

@@ -20,16 +20,23 @@ use crate::error::{Error, Result};
 pub fn read(package: &Path, root: &Path) -> Result<Tree> {
     let canonical = |path: &Path| path.canonicalize().map_err(Error::file(path));
     let (package, root) = (canonical(package)?, canonical(root)?);
-    let mut reader = Reader { package: &package, tree: Tree::default() };
+    let mut reader = Reader { package: &package, tree: Tree::default(), exported: Vec::new() };
     let folder = root.parent().unwrap_or(&package);
     reader.file(&root, folder, None)?;
-    Ok(reader.tree)
+    let Reader { mut tree, exported, .. } = reader;
+    for (name, module) in exported {
+        let binding = Binding { public: true, meaning: Meaning::Item(module) };
+        tree.modules[0].names.entry(name).or_default().push(binding);
+    }
+    Ok(tree)
 }
 
 /// The module tree while it is read.
 struct Reader<'p> {
     package: &'p Path,
     tree: Tree,
+    /// Names of exported macros, which are names of the root module, and the modules that define them.
+    exported: Vec<(String, usize)>,
 }
 
 /// The folders in which the files of a module's `mod` declarations lie.
@@ -74,6 +81,7 @@ impl Reader<'_> {
         }
         names.globs.extend(inner.globs);
         let Names { bound, globs, .. } = names;
+        self.exported.extend(kept.iter().filter_map(exported_macro).map(|name| (name, number)));
         self.tree.modules.push(Module { file: file.clone(), items: kept, parent, names: bound, globs });
         for child in children {
             let name = child.ident.to_string();
@@ -103,6 +111,13 @@ impl Reader<'_> {
         let (own, inner) = (folders.children.join(format!("{name}.rs")), folder.join("mod.rs"));
         self.file(if inner.is_file() { &inner } else { &own }, &folder, Some(parent))
     }
+}
+
+/// The name of a macro with `#[macro_export]`.
+fn exported_macro(item: &Item) -> Option<String> {
+    let Item::Macro(item) = item else { return None };
+    let exported = item.attrs.iter().any(|attribute| attribute.path().is_ident("macro_export"));
+    item.ident.as_ref().filter(|_| exported).map(Ident::to_string)
 }
 
 /// The path in an attribute `#[path = "…"]`.

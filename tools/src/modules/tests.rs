@@ -154,6 +154,16 @@ fn a_macro_is_of_the_file_that_defines_it() {
 }
 
 #[test]
+fn an_exported_macro_is_of_the_file_that_defines_it() {
+    let found = found(&[
+        ("src/lib.rs", "mod a; mod b;"),
+        ("src/a.rs", "#[macro_export] macro_rules! m { () => { $crate::b::B } }"),
+        ("src/b.rs", "use crate::m; pub struct B; fn f() -> B { m!() }"),
+    ]);
+    assert_eq!(found, ["p: src/a.rs -> src/b.rs (B, line 1) -> src/a.rs (m, line 1)"]);
+}
+
+#[test]
 fn what_only_tests_have_is_left_out() {
     let with = |child: &'static str| {
         found(&[

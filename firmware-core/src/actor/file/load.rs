@@ -28,7 +28,7 @@ impl<'a, O: ActorInput> QuantisedActor<'a, O> {
         if body.observation != O::ID {
             return Err(LoadError::Observation { found: body.observation, built: O::ID });
         }
-        check_dimensions(body.dimensions, O::LEN, O::LEN_TEXT)?;
+        check_dimensions(body.dimensions, O::LEN, O::LEN_IN_WORDS)?;
         let d = body.dimensions;
         let hidden = usize::from(d.hidden);
         let first = (O::weight_bytes(hidden), Layer::table_bytes(hidden));
@@ -39,7 +39,7 @@ impl<'a, O: ActorInput> QuantisedActor<'a, O> {
             return Err(LoadError::Length);
         }
         let (mut weights, mut tables) = (body.weights, body.tables);
-        let encoder1 = O::take(&mut weights, &mut tables, hidden)?;
+        let encoder1 = O::take_layer(&mut weights, &mut tables, hidden)?;
         let mut take = |rows: u16, columns: usize| {
             Layer::take(&mut weights, &mut tables, usize::from(rows), columns).map_err(LoadError::from)
         };

@@ -6,9 +6,9 @@ use super::limits::{MAX_DELAY_MS, MAX_NODES};
 /// Why there is no such radio channel, or no such swarm on it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RadioError {
-    /// A share outside 0 to 1, or not a number.
-    #[error("radio: {key} = {value} is no share; use 0 to 1")]
-    Share {
+    /// A probability outside 0 to 1, or not a number.
+    #[error("radio: {key} = {value} is not a probability; use 0 to 1")]
+    Probability {
         /// Which setting.
         key: &'static str,
         /// Its value.
@@ -50,7 +50,7 @@ pub enum RadioError {
     },
     /// A part of the text is not `key=value`.
     #[error("radio: `{0}` is not key=value; an example is loss=0.1,burst=3,delay_ms=2000")]
-    Form(String),
+    Syntax(String),
     /// No setting of this name.
     #[error("radio: no setting `{0}`; there are {keys}", keys = KEYS.join(", "))]
     Unknown(String),

@@ -40,10 +40,10 @@ impl RadioSettings {
     /// # Errors
     /// [`RadioError`] of the first parameter that is out of range.
     pub fn validate(&self) -> Result<(), RadioError> {
-        let shares =
+        let probabilities =
             [("loss", self.loss), ("duplicate", self.duplicate), ("reorder", self.reorder), ("corrupt", self.corrupt)];
-        if let Some(&(key, value)) = shares.iter().find(|(_, v)| !(0.0..=1.0).contains(v)) {
-            return Err(RadioError::Share { key, value });
+        if let Some(&(key, value)) = probabilities.iter().find(|(_, v)| !(0.0..=1.0).contains(v)) {
+            return Err(RadioError::Probability { key, value });
         }
         if let Some(burst) = self.burst {
             let least = 1.0 / (1.0 - self.loss);

@@ -38,7 +38,7 @@ impl FromStr for RadioSettings {
         let mut seen = Vec::new();
         for part in text.split(',') {
             let Some((key, value)) = part.split_once('=') else {
-                return Err(RadioError::Form(part.trim().to_owned()));
+                return Err(RadioError::Syntax(part.trim().to_owned()));
             };
             let Some(key) = KEYS.into_iter().find(|k| *k == key.trim()) else {
                 return Err(RadioError::Unknown(key.trim().to_owned()));
