@@ -72,7 +72,7 @@ fn neighbour_messages() {
 }
 
 #[test]
-fn actor_links() {
+fn pil_frames() {
     run("pil", checks::pil);
 }
 

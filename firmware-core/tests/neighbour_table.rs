@@ -1,5 +1,5 @@
 //! The neighbour table through its public interface: single rules, a plain model with
-//! clocks that do not wrap, and what is promised about a dense swarm and a bad link.
+//! clocks that do not wrap, and what is promised about a dense swarm and a bad radio.
 
 use firmware_core::actor::PolicyId;
 use firmware_core::geometry::{State, TICKS_PER_U, Vec2};

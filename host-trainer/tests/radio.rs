@@ -85,14 +85,14 @@ fn the_experiment_writes_a_page_and_a_picture() {
         let mut command = trainer();
         command.args(["experiment", "radio", "--worlds", "2", "--uavs", "6", "--threads", threads, "--out"]).arg(&out);
         succeed(&mut command);
-        ["link-loss.md", "link-loss.svg"].map(|file| fs::read_to_string(out.join(file)).expect("written"))
+        ["radio-loss.md", "radio-loss.svg"].map(|file| fs::read_to_string(out.join(file)).expect("written"))
     };
     let one = written("one", "1");
     assert_eq!(one, written("three", "3"));
     let [page, picture] = one;
     assert!(page.contains("`host-trainer experiment radio --uavs 6 --worlds 2`"), "{page}");
     for part in
-        ["![", "(link-loss.svg)", "the target is 95 %", "| 50 % |", "| `loss=0.3,burst=10` |", "| `corrupt=0.1` |"]
+        ["![", "(radio-loss.svg)", "the target is 95 %", "| 50 % |", "| `loss=0.3,burst=10` |", "| `corrupt=0.1` |"]
     {
         assert!(page.contains(part), "no {part} in {page}");
     }

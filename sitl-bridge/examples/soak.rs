@@ -43,7 +43,7 @@ struct Args {
 
 /// What is known of one UAV's flight.
 #[derive(Clone, Default)]
-struct ActorInput {
+struct UavFlight {
     first: Option<u32>,
     last: u32,
     decisions: u64,
@@ -52,7 +52,7 @@ struct ActorInput {
 
 #[derive(Default)]
 struct Account {
-    flown: Vec<ActorInput>,
+    flown: Vec<UavFlight>,
     clock_ms: i64,
     /// Warnings of the nodes and events of the fleet by their words.
     words: BTreeMap<String, u64>,
@@ -63,7 +63,7 @@ fn main() -> ExitCode {
     let length_ms = (args.hours * HOUR_MS as f64) as i64;
     let start_ms = UNIX_WRAPS * WRAP_MS - length_ms / 4;
     let mut swarm = Swarm::launch(&plan(args.uavs, start_ms, length_ms));
-    let mut account = Account { flown: vec![ActorInput::default(); usize::from(args.uavs)], ..Account::default() };
+    let mut account = Account { flown: vec![UavFlight::default(); usize::from(args.uavs)], ..Account::default() };
     let (began, mut sampled, mut settled) = (Instant::now(), 0, None);
     let mut heard = Instant::now();
     println!("simulated h, wall s, x real time, decisions, nodes KiB, fleet KiB");
@@ -148,7 +148,7 @@ fn judge(account: &Account, counters: &[Counters], grown: Option<[u64; 2]>) -> b
     let mut total = Counters::default();
     counters.iter().for_each(|c| total.add(c));
     // A step from the first to the last without its decision.
-    let steps = |f: &ActorInput| f.first.map_or(0, |first| u64::from(f.last.wrapping_sub(first)) + 1);
+    let steps = |f: &UavFlight| f.first.map_or(0, |first| u64::from(f.last.wrapping_sub(first)) + 1);
     let missing: u64 = account.flown.iter().map(|f| steps(f) - f.decisions).sum();
     let late: u64 = account.flown.iter().map(|f| f.late).sum();
     println!("{}", total.to_json(account.flown.len() as u16));

@@ -95,7 +95,7 @@ fn exchange(boards: &mut [Board<'_>], said: &[Option<Vec<u8>>], reach_u: i32) {
 }
 
 /// Flies an episode both ways and returns the greatest number of neighbours seen and the
-/// number of links.
+/// number of neighbours in all decisions.
 fn fly(file: &[u8], scenario: &Scenario, mode: Mode, reach_u: i32) -> (u8, usize) {
     let actor = Actor::load(file).expect("sound");
     actor.self_test().expect("sound");
@@ -105,7 +105,7 @@ fn fly(file: &[u8], scenario: &Scenario, mode: Mode, reach_u: i32) -> (u8, usize
     let mut boards: Vec<_> =
         (0..scenario.uavs).map(|i| Board::new(i as u16, actor, mode, scenario.half_side_ticks())).collect();
     let pois: Vec<Vec2> = world.poi_x().iter().zip(world.poi_y()).map(|(&x, &y)| Vec2::from_u(x, y)).collect();
-    let (mut most, mut links) = (0, 0);
+    let (mut most, mut heard) = (0, 0);
     while !world.done() {
         let step = world.steps_done();
         let state = |i: usize| {
@@ -127,12 +127,12 @@ fn fly(file: &[u8], scenario: &Scenario, mode: Mode, reach_u: i32) -> (u8, usize
             assert_eq!(logits, trained.logits(i), "{at}: logits");
             assert_eq!(action, trained.choose(&logits, i, step), "{at}: action");
             most = most.max(trained.neighbourhoods()[i].count);
-            links += ids.len();
+            heard += ids.len();
             actions.push(action);
         }
         world.step(&actions);
     }
-    (most, links)
+    (most, heard)
 }
 
 const KINDS: [&str; 3] = ["sample-none", "sample-gcn", "sample-gat"];
@@ -141,8 +141,8 @@ const KINDS: [&str; 3] = ["sample-none", "sample-gcn", "sample-gat"];
 fn the_papers_swarm_flies_as_it_was_trained() {
     for name in KINDS {
         for mode in [Mode::Sample, Mode::Argmax] {
-            let (_, links) = fly(&committed(name), &Scenario::default(), mode, REACH_U);
-            assert!(links > 100, "{name}: only {links} links in the episode");
+            let (_, heard) = fly(&committed(name), &Scenario::default(), mode, REACH_U);
+            assert!(heard > 100, "{name}: only {heard} neighbours in the episode");
         }
     }
 }

@@ -95,9 +95,9 @@ pub enum Error {
     /// Measured figures that are not what they should be, one a line.
     #[error("figures that are not what they should be:\n{0}")]
     Figures(String),
-    /// the PIL protocol failed.
-    #[error("the link to the board: {0}")]
-    Link(#[from] covey_pil::PilError),
+    /// The PIL protocol failed.
+    #[error("processor in the loop: {0}")]
+    Pil(#[from] covey_pil::PilError),
     /// Flashing failed.
     #[error(transparent)]
     Flash(#[from] FlashError),

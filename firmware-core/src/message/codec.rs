@@ -3,8 +3,7 @@
 use super::beacon::Beacon;
 use super::error::MessageError;
 use super::feature::FeatureMessage;
-use super::header::Header;
-use super::version::VERSION;
+use super::header::{Header, VERSION};
 use crate::actor::MAX_FEATURE;
 use crate::geometry::{COORDINATE_LIMIT, Vec2};
 use core::cmp::Ordering;

@@ -1,6 +1,6 @@
 //! What can be wrong with the bytes of a message.
 
-use super::version::VERSION;
+use super::header::VERSION;
 use crate::actor::{MAX_DEGREE, MAX_FEATURE};
 use crate::geometry::COORDINATE_LIMIT;
 

@@ -1,5 +1,8 @@
 //! The part that both messages begin with.
 
+/// Version of both layouts, the first byte of a message.
+pub const VERSION: u8 = 1;
+
 /// Who sent a message and when.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Header {

@@ -11,11 +11,9 @@ mod codec;
 mod error;
 mod feature;
 mod header;
-mod version;
 
 pub use beacon::Beacon;
 pub use codec::{BEACON_LEN, FEATURE_HEAD_LEN, MAX_LEN, Message};
 pub use error::MessageError;
 pub use feature::FeatureMessage;
-pub use header::Header;
-pub use version::VERSION;
+pub use header::{Header, VERSION};

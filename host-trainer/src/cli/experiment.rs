@@ -41,7 +41,7 @@ pub struct ExperimentRadio {
     /// Seed of the worlds.
     #[arg(long, value_name = "S", default_value_t = Self::default().seed)]
     pub seed: u64,
-    /// Folder for link-loss.md and link-loss.svg, as in the documents.
+    /// Folder for radio-loss.md and radio-loss.svg, as in the documents.
     #[arg(long, value_name = "DIR", default_value = "docs")]
     pub out: PathBuf,
     /// Also prints one JSON array of rows.

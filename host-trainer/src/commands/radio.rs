@@ -12,8 +12,8 @@ use firmware_core::actor::Mode;
 use miette::{IntoDiagnostic, Result, miette};
 use std::time::Instant;
 
-const PAGE: &str = "link-loss.md";
-const PICTURE: &str = "link-loss.svg";
+const PAGE: &str = "radio-loss.md";
+const PICTURE: &str = "radio-loss.svg";
 
 /// Measures and writes page and picture.
 ///

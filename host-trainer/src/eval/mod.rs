@@ -4,7 +4,6 @@
 mod agreement;
 mod any_actor;
 mod config;
-mod file;
 mod over_radio;
 pub mod pil;
 mod policy;
@@ -15,11 +14,10 @@ mod table;
 pub use agreement::{Agreement, argmax_agreement};
 pub use any_actor::{AnyActor, UnsoundActor};
 pub use config::EvalConfig;
-pub use file::EvaluationFile;
 pub use over_radio::evaluate_with_radio;
 pub use policy::EvalPolicy;
 pub use reference::ReferencePolicy;
-pub use row::{EvalRow, PilFigures, RadioRow};
+pub use row::{EvalRow, EvaluationFile, PilFigures, RadioRow};
 pub use table::{radio_table, table};
 
 pub(crate) use any_actor::with_actor;

@@ -126,18 +126,19 @@ impl Broadcasts {
     fn of(world: &World, policy: &ActorPolicy<'_>, actor: &Actor<'_>, seed: u64) -> Self {
         let step = world.steps_done();
         let ids = 0..world.scenario().uavs;
-        let links = policy.neighbourhoods();
+        let neighbourhoods = policy.neighbourhoods();
         let graph = actor.aggregation() != Aggregation::None;
-        let feature =
-            |i: usize| FeatureMessage::from_actor(header(i, step), links[i].count + 1, actor, &policy.features()[i]);
+        let feature = |i: usize| {
+            FeatureMessage::from_actor(header(i, step), neighbourhoods[i].count + 1, actor, &policy.features()[i])
+        };
         Self {
             now: Moment { step, time_ms: step.wrapping_mul(u32::from(DEFAULT_STEP_MS)) },
             seed,
             half_side: world.scenario().half_side_ticks(),
             states: ids.clone().map(|i| state(world, i)).collect(),
             ties: ids.clone().map(|i| actor.tie_breaker(seed, i as u16, step)).collect(),
-            degrees: links.iter().map(|l| l.count + 1).collect(),
-            counting: links.iter().map(|l| if graph { l.count } else { 0 }).collect(),
+            degrees: neighbourhoods.iter().map(|n| n.count + 1).collect(),
+            counting: neighbourhoods.iter().map(|n| if graph { n.count } else { 0 }).collect(),
             features: ids.map(feature).collect(),
         }
     }

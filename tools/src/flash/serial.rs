@@ -39,7 +39,7 @@ pub fn check(actor: &ActorFile, port: &Path, dry_run: bool) -> Result<()> {
     verify(&mut Client::new(Port(file), OPTIONS), &port.display().to_string(), actor)
 }
 
-/// Checks that the board at the other end of the link runs this actor and computes what this computer computes.
+/// Checks that the board at the other end of the line runs this actor and computes what this computer computes.
 /// `place` is its name in messages.
 ///
 /// # Errors

@@ -10,7 +10,7 @@ use firmware_core::observation::{LEN, Observation, TARGET_VELOCITY_CHANGE};
 
 /// The action nearest to the velocity change that the compact observation recommends (its features from
 /// [`TARGET_VELOCITY_CHANGE`] on), for a UAV that flies at `velocity`, u/step. It is [`Follower`]'s choice, and the
-/// teacher of imitation learning.
+/// expert of behaviour cloning.
 #[must_use]
 pub fn recommended_action(observation: &Observation, velocity: (f32, f32)) -> Action {
     let wanted = |k: usize| f32::from(observation[TARGET_VELOCITY_CHANGE + k]) * (2 * SPEED_CAP_U) as f32 / 127.0;

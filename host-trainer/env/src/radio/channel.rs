@@ -5,7 +5,7 @@ use super::datagram_random::{DatagramRandom, key};
 use super::error::RadioError;
 use super::impairments::{Direction, flip_bits, is_lost};
 use super::in_transit::InTransit;
-use super::limits::MAX_NODES;
+use super::parameters::MAX_NODES;
 use super::settings::RadioSettings;
 use crate::plane::squared_distance;
 use std::collections::BinaryHeap;

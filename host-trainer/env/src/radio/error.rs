@@ -1,7 +1,7 @@
 //! What is refused about a radio channel.
 
-use super::keys::KEYS;
-use super::limits::{MAX_DELAY_MS, MAX_NODES};
+use super::parameters::{KEYS, MAX_DELAY_MS, MAX_NODES};
+use crate::scenario::ScenarioError;
 
 /// Why there is no such radio channel, or no such swarm on it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -65,4 +65,15 @@ pub enum RadioError {
         /// Its value.
         value: String,
     },
+}
+
+/// Why there is no such evaluation or training over a radio channel.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RadioWorldError {
+    /// The scenario is not valid.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// The radio channel is not valid.
+    #[error(transparent)]
+    Radio(#[from] RadioError),
 }

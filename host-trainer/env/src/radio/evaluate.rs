@@ -1,9 +1,9 @@
 //! Evaluation over a radio channel.
 
 use super::error::RadioError;
+use super::error::RadioWorldError;
 use super::figures::RadioFigures;
 use super::policy::RadioPolicy;
-use super::world_error::RadioWorldError;
 use crate::evaluation::{Evaluation, rollout};
 use crate::scenario::Scenario;
 use crate::world::World;

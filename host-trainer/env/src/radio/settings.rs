@@ -1,7 +1,7 @@
 //! The parameters of the channel model.
 
 use super::error::RadioError;
-use super::limits::MAX_DELAY_MS;
+use super::parameters::MAX_DELAY_MS;
 use serde::{Deserialize, Serialize};
 
 /// Parameters of a radio channel. [`Default`] is the perfect one, which delivers every datagram at once.

@@ -1,7 +1,7 @@
 //! The parameters of the channel model as text: `key=value`, with commas between.
 
 use super::error::RadioError;
-use super::keys::KEYS;
+use super::parameters::KEYS;
 use super::settings::RadioSettings;
 use std::fmt;
 use std::str::FromStr;

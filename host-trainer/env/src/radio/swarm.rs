@@ -4,14 +4,20 @@ use super::channel::RadioChannel;
 use super::error::RadioError;
 use super::figures::RadioFigures;
 use super::settings::RadioSettings;
-use super::timing::{DECIDE_MS, ENCODE_MS, STEP_MS};
 use crate::world::World;
 use firmware_core::agent::{Agent, AgentSettings};
 use firmware_core::geometry::{COMMUNICATION_RANGE_U, State, TICKS_PER_U, Vec2};
 use firmware_core::message::{FeatureMessage, MAX_LEN, Message};
-use firmware_core::neighbour_table::Moment;
+use firmware_core::neighbour_table::{DEFAULT_STEP_MS, Moment};
 use firmware_core::observation::BuildObservation;
 
+/// When a UAV observes, encodes and broadcasts its feature, ms after the beginning of the step, when its beacon went
+/// out.
+pub const ENCODE_MS: u64 = 400;
+/// When a UAV decides on its action, ms after the beginning of the step.
+pub const DECIDE_MS: u64 = 800;
+/// Length of a step, ms.
+pub(super) const STEP_MS: u64 = DEFAULT_STEP_MS as u64;
 /// Margin of a range query, u, so that rounding to ticks leaves no UAV out.
 const MARGIN_U: f32 = 0.01;
 

@@ -1,6 +1,5 @@
 //! Gradients of weights and biases.
 
-use super::bias_name::bias_name;
 use crate::input::{MultiHotRows, add_multi_hot_gradient};
 use crate::matrix::{Panels, Rows, add_bias_gradient, add_weight_gradient};
 use crate::parameter_layout::ParameterLayout;
@@ -65,4 +64,9 @@ impl BlockGradient {
             self.sum.store(place);
         }
     }
+}
+
+/// Name of the bias that goes with the weights of this name.
+pub(super) fn bias_name(weights: &str) -> String {
+    format!("{weights} bias")
 }

@@ -1,6 +1,6 @@
 //! Fully connected layers.
 
-use super::bias_name::bias_name;
+use super::block_gradient::bias_name;
 use crate::kernel::{Aligned, Init, padded};
 use crate::matrix::{Activation, Panels, Rows, matmul};
 use crate::parameter_layout::ParameterLayout;

@@ -1,6 +1,5 @@
 //! The layers that networks are made of.
 
-mod bias_name;
 mod block_gradient;
 mod dense;
 mod encoder;

@@ -1,9 +1,8 @@
 //! Why a file was not written.
 
-use super::folder::folder_of;
 use crate::io_advice::advice;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What [`write`](super::write()) was doing when it failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,5 +52,13 @@ impl WriteError {
         }
         let advice = advice(&self.source, &folder.to_string());
         format!("{advice}. What {} held before is untouched", self.path.display())
+    }
+}
+
+/// The folder that holds `path`; `.` for a bare name.
+pub(super) fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
     }
 }

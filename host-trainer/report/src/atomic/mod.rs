@@ -5,7 +5,6 @@
 
 mod disk;
 mod error;
-mod folder;
 mod write;
 
 pub use disk::{Disk, RealDisk};

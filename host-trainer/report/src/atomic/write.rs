@@ -1,8 +1,7 @@
 //! Writing a file atomically.
 
 use super::disk::{Disk, RealDisk};
-use super::error::{Stage, WriteError};
-use super::folder::folder_of;
+use super::error::{Stage, WriteError, folder_of};
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! Writing a metrics file row by row.
 
 use super::error::{MetricsError, file_error};
-use super::lines::newlines;
+use super::read::newlines;
 use serde::Serialize;
 use std::fmt;
 use std::fs::{File, OpenOptions};

@@ -5,7 +5,6 @@
 //! `null`, since JSON has no NaN; [`nan_as_null`] reads them back.
 
 mod error;
-mod lines;
 mod log;
 pub mod nan_as_null;
 mod read;

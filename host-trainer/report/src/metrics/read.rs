@@ -1,7 +1,6 @@
 //! Reading a metrics file.
 
 use super::error::{MetricsError, file_error};
-use super::lines::newlines;
 use serde::de::DeserializeOwned;
 use std::path::Path;
 
@@ -23,4 +22,9 @@ pub fn read<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<Vec<T>, Metri
         })
     };
     lines.enumerate().map(row).collect()
+}
+
+/// Offsets of the newlines in `bytes`.
+pub(super) fn newlines(bytes: &[u8]) -> impl Iterator<Item = usize> {
+    bytes.iter().enumerate().filter(|(_, b)| **b == b'\n').map(|(at, _)| at)
 }

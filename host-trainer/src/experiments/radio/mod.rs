@@ -1,5 +1,5 @@
 //! How much coverage is left over a radio that loses and delays messages: the page
-//! `docs/link-loss.md`.
+//! `docs/radio-loss.md`.
 
 mod conditions;
 mod page;

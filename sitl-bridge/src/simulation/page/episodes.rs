@@ -29,7 +29,7 @@ pub(super) fn flown(index: u64, world: &World, flight: &WorldFlight) -> Episode 
                 let all: Option<Vec<u8>> = decisions.iter().map(|d| d.map(|d| d.action)).collect();
                 all.unwrap_or_default()
             });
-        Frame { edges: links(flight, step, &uavs), uavs, covered, coverage, actions }
+        Frame { edges: edges(flight, step, &uavs), uavs, covered, coverage, actions }
     };
     Episode {
         action_names: Action::all().map(action_name).collect(),
@@ -40,15 +40,15 @@ pub(super) fn flown(index: u64, world: &World, flight: &WorldFlight) -> Episode 
 
 /// Pairs of UAVs that heard each other: the neighbours that decisions rest on; after the last decision,
 /// pairs in communication range.
-fn links(flight: &WorldFlight, step: usize, uavs: &[[f32; 2]]) -> Vec<[u16; 2]> {
-    let mut links: Vec<[u16; 2]> = match flight.decisions.get(step) {
+fn edges(flight: &WorldFlight, step: usize, uavs: &[[f32; 2]]) -> Vec<[u16; 2]> {
+    let mut edges: Vec<[u16; 2]> = match flight.decisions.get(step) {
         Some(row) => (0u16..)
             .zip(row)
             .flat_map(|(i, decision)| {
                 let seen = decision.as_ref().map_or(&[][..], |d| d.neighbours());
                 seen.iter().map(move |&j| [i.min(j), i.max(j)]).collect::<Vec<_>>()
             })
-            .filter(|link| usize::from(link[1]) < uavs.len())
+            .filter(|edge| usize::from(edge[1]) < uavs.len())
             .collect(),
         None => {
             let ids = 0..uavs.len();
@@ -59,9 +59,9 @@ fn links(flight: &WorldFlight, step: usize, uavs: &[[f32; 2]]) -> Vec<[u16; 2]> 
                 .collect()
         }
     };
-    links.sort_unstable();
-    links.dedup();
-    links
+    edges.sort_unstable();
+    edges.dedup();
+    edges
 }
 
 /// Whether two points are within range; false where one is NaN.

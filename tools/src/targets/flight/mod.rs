@@ -98,7 +98,7 @@ fn setup() -> Setup {
     Setup { id: 3, seed: 10, argmax: false, step_ms: STEP_MS, half_side: 100 * TICKS_PER_U }
 }
 
-/// Flies the mission with the server at the other end of the link; `disturb` puts noise on the line.
+/// Flies the mission with the server at the other end of the line; `disturb` puts noise on the line.
 fn mission<S: Read + Write>(board: &mut Client<S>, mut disturb: impl FnMut(&[u8]) -> Result<()>) -> Result<Log> {
     let mut random = Random(7);
     let info = board.hello(setup())?.actor.map_err(|fault| Error::Board(fault.to_string()))?;
