@@ -80,6 +80,7 @@ impl ReplayTlog {
         let settings = Settings {
             id: info.id,
             system: info.system,
+            vehicle_system: info.vehicle,
             actor,
             pois: Arc::new(PoiMap::new(&mission.pois)),
             timing: self.timing.timing(mission.scale.step_ms)?,

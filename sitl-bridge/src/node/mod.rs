@@ -15,6 +15,7 @@ mod host_time;
 mod link_monitor;
 mod operator;
 mod output;
+mod refusals;
 pub mod run;
 mod settings;
 mod state_machine;
