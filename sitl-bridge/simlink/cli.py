@@ -8,7 +8,7 @@ import signal
 import sys
 from typing import Any
 
-from simlink import config
+from simlink import config, extras
 from simlink.config import ConfigError, FleetConfig
 from simlink.events import EventLog
 from simlink.fleet import Fleet
@@ -130,6 +130,7 @@ def _raw(options: argparse.Namespace) -> dict[str, Any]:
         "seed": options.seed,
         "signing_key_file": options.key_file,
         "faults": faults,
+        "extra": options.extra,
     }
     return {name: value for name, value in raw.items() if value is not None}
 
@@ -184,5 +185,12 @@ def _parser() -> argparse.ArgumentParser:
     add("--seed", type=int, default=1, help="of the noise (1)")
     add("--key-file", metavar="FILE", help="sign with this key, and take only what is signed with it")
     add("--fault", action="append", default=[], metavar="JSON", help="something that goes wrong; may be repeated")
+    add(
+        "--extra",
+        action="append",
+        default=[],
+        choices=extras.KINDS,
+        help="somebody else on every vehicle's port; may be repeated",
+    )
     add("--json", action="store_true", help="events as JSON lines on stdout")
     return parser

@@ -5,6 +5,7 @@ import time
 from dataclasses import dataclass, field
 from typing import Any
 
+from simlink import extras
 from simlink.faults import Fault, FaultError
 from simlink.geodesy import Plane
 from simlink.ideal import Scale
@@ -72,6 +73,8 @@ class FleetConfig:
     battery: Battery = field(default_factory=Battery)
     signing_key_file: str | None = None
     faults: tuple[Fault, ...] = ()
+    extra: tuple[str, ...] = ()
+    """Who else is on every vehicle's port: kinds of `extras.KINDS`."""
     guided_timeout_s: float | None = None
     """None: the autopilot's own, 3 s for ArduPilot and 1 s for PX4."""
     ekf_ready_ms: int = 5_000
@@ -135,6 +138,7 @@ def read(raw: Any) -> FleetConfig:
         ),
         signing_key_file=top.take("signing_key_file", str, None),
         faults=faults,
+        extra=tuple(top.take("extra", list, [])),
         guided_timeout_s=top.take("guided_timeout_s", _NUMBER, None),
         ekf_ready_ms=round(1000 * top.take("ekf_ready_s", _NUMBER, 5)),
         boot_ms=top.take("boot_ms", int, 0),
@@ -160,6 +164,9 @@ def check(config: FleetConfig) -> None:
         raise ConfigError(f"step_ms is {config.scale.step_ms}, shorter than a tick of {config.tick_ms} ms")
     if config.dynamics == "ideal" and (any(config.wind) or config.gps_noise_m):
         raise ConfigError("ideal dynamics know no wind and no noise; set both to 0 or take dynamics point")
+    for kind in config.extra:
+        if kind not in extras.KINDS:
+            raise ConfigError(f"there is no extra {kind!r}; known: {', '.join(extras.KINDS)}")
     if config.gps_noise_m < 0:
         raise ConfigError("gps_noise_m is negative")
     ids = {vehicle.id for vehicle in config.vehicles}

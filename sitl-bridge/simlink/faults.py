@@ -10,6 +10,7 @@ KINDS = {
     "nan": "LOCAL_POSITION_NED carries a NaN and an infinity",
     "ekf_bad": "the EKF reports large variances and no absolute position",
     "clock_jump": "the boot clock jumps by `by_ms`",
+    "clock_unset": "SYSTEM_TIME counts from 1970, as a clock that was never set",
     "link_cut": "nothing is sent or taken",
     "reboot": "silent for `for_ms` (2000), then starts from nothing: disarmed, boot clock from zero",
     "pilot_mode": "the pilot switches to `mode`",

@@ -26,6 +26,7 @@ _EKF_POSITION = (
     | mavlink.EKF_PRED_POS_HORIZ_REL
     | mavlink.EKF_PRED_POS_HORIZ_ABS
 )
+_PX4_AT_REST = 1023
 _GOOD_VARIANCE, _BAD_VARIANCE = 0.05, 1.3
 _CELLS, _FULL_CELL_V, _EMPTY_CELL_V = 4, 4.2, 3.3
 
@@ -77,6 +78,8 @@ def _battery_mv(percent: float) -> int:
 
 def system_time(vehicle: VehicleState) -> mavlink.MAVLink_message:
     """SYSTEM_TIME; the time of day is unknown until there is a position."""
+    if vehicle.faults.is_active("clock_unset"):
+        return mavlink.MAVLink_system_time_message(vehicle.boot_us, vehicle.boot_ms)
     known = vehicle.autopilot.ekf_ready or vehicle.autopilot.airborne
     return mavlink.MAVLink_system_time_message(vehicle.unix_ms * 1000 if known else 0, vehicle.boot_ms)
 
@@ -177,8 +180,13 @@ def ekf_status_report(vehicle: VehicleState) -> mavlink.MAVLink_message:
 
 
 def estimator_status(vehicle: VehicleState) -> mavlink.MAVLink_message:
-    """ESTIMATOR_STATUS (PX4); its flags share their bits with EKF_STATUS_REPORT up to the tenth."""
+    """ESTIMATOR_STATUS (PX4); its flags share their bits with EKF_STATUS_REPORT up to the tenth.
+
+    On the ground all ten are set, constant position among them, as was seen on PX4 at rest.
+    """
     flags, ratio = _ekf(vehicle)
+    if vehicle.autopilot.ekf_ready and not vehicle.autopilot.airborne:
+        flags = _PX4_AT_REST
     if flags & mavlink.EKF_UNINITIALIZED:
         flags = 0
     return mavlink.MAVLink_estimator_status_message(

@@ -6,6 +6,7 @@ from simlink import schedule
 from simlink.autopilot import Emit
 from simlink.config import FleetConfig, VehicleConfig
 from simlink.endpoint import Endpoint
+from simlink.extras import Extra
 from simlink.protocol import Protocol
 from simlink.schedule import PX4_STREAMS, Schedule
 from simlink.vehicle_state import VehicleState
@@ -22,6 +23,7 @@ class Vehicle(VehicleState):
         self.endpoint = Endpoint(config.system, mavlink.MAV_COMP_ID_AUTOPILOT1, key)
         self.outbox: list[mavlink.MAVLink_message] = []
         self._protocol = Protocol(self, self.schedule, self.outbox)
+        self._extras = [Extra(kind, config.system, key) for kind in fleet.extra]
         self.awaits_setpoint = False
         """Whether this tick's telemetry asks for a setpoint."""
 
@@ -39,6 +41,8 @@ class Vehicle(VehicleState):
             return []
         self._protocol.flush_texts()
         frames = self.replies()
+        if self.t_ms % 1000 == 0:
+            frames.extend(frame for extra in self._extras for frame in extra.frames(self.boot_ms))
         stale = self.faults.is_active("pose_stale")
         for message in self.schedule.due(self.t_ms):
             if not schedule.is_known(self, message):

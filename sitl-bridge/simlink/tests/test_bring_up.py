@@ -3,6 +3,7 @@
 import math
 import unittest
 
+from simlink.faults import Fault
 from simlink.tests.support import GLOBAL, LOCAL, Controller, Flight
 
 
@@ -69,6 +70,19 @@ class ArduPilot(unittest.TestCase):
         self.flight.run_for(10)
         self.assertEqual(set(self.controller.seen), {0})
         self.assertEqual(len(self.controller.seen[0]), 11)
+
+    def test_after_a_reboot_it_sends_only_heartbeats_and_texts_until_asked(self):
+        self.controller.takes_off = False
+        self.flight.run_for(8)
+        self.flight.fleet.vehicles[0].faults.add(Fault(1, "reboot", for_ms=2000))
+        self.flight.run_for(3)
+        self.controller.seen.clear()
+        self.flight.run_for(10)
+        self.assertIn(0, self.controller.seen)
+        self.assertLessEqual(set(self.controller.seen), {0, 253})
+        self.send(self.controller.command(511, GLOBAL, 200_000))
+        self.flight.run_for(8)
+        self.assertIn(GLOBAL, self.controller.seen)
 
     def test_intervals_are_honoured_per_message(self):
         self.controller.takes_off = False

@@ -3,18 +3,24 @@
 use super::bring_up::{BringUp, BringUpStep, Situation};
 use super::command::{CommandFailure, PendingCommand, command_name};
 use super::firmware::{Firmware, Mode};
+use super::identity::Identity;
 use super::message_rates::message_rates;
 use super::notice::Notice;
+use super::shared_id::Senders;
 use super::stage::Stage;
 use super::vehicle_state::{TelemetryUpdate, VehicleState};
 use crate::messages::{CommandLong, Heartbeat, Telemetry, mav_cmd};
 
-/// MAV_AUTOPILOT_INVALID: the sender is a ground station or a companion computer.
-const NO_AUTOPILOT: u8 = 8;
 /// What a start waits for is repeated to the operator this often, ms.
 const REMIND_MS: i64 = 10_000;
 /// A STATUSTEXT explains a refusal for this long, ms.
 const TEXT_MS: i64 = 10_000;
+/// Without positions for so long, while heartbeats come, the rates are requested again, ms: a rebooted
+/// ArduPilot sends nothing else until it is asked. Each time in vain the wait doubles, to 24 s.
+const POSITIONS_MS: i64 = 3000;
+const MOST_DOUBLED: u32 = 3;
+/// Corrections of the clock are told at once, then summed over this, ms.
+const CORRECTIONS_MS: i64 = 30_000;
 /// MAV_SEVERITY up to which it does: warnings and worse.
 const TEXT_SEVERITY: u8 = 4;
 
@@ -35,8 +41,7 @@ pub struct Autopilot {
     /// System and component of the autopilot, once identified.
     target: Option<(u8, u8)>,
     firmware: Option<Firmware>,
-    /// The operator was told of another autopilot on the same link.
-    other_reported: bool,
+    identity: Identity,
     rate_hz: f64,
     bring_up: BringUp,
     command: Option<PendingCommand>,
@@ -46,18 +51,28 @@ pub struct Autopilot {
     reminded_ms: i64,
     /// The autopilot's last STATUSTEXT of weight, and when it arrived, ms.
     last_text: Option<(String, i64)>,
+    /// When the rates were last requested or a position last came, ms, and how often they were requested
+    /// since.
+    positions_ms: i64,
+    asked_again: u32,
+    /// Corrections of the clock that were not told yet: how many, and their sum, ms; when the last were.
+    corrections: (u32, i64),
+    corrections_told_ms: i64,
+    /// The operator was told that perhaps two vehicles send with this system id.
+    doubt_reported: bool,
 }
 
 impl Autopilot {
     /// An autopilot that was not heard yet. `layer_mm` is the altitude to take off to, mm above mean
-    /// sea level; positions are requested at `rate_hz`.
+    /// sea level; positions are requested at `rate_hz`. It is the autopilot of system `vehicle`; the node
+    /// sends as system `own.0`, component `own.1`.
     #[must_use]
-    pub const fn new(state: VehicleState, layer_mm: i32, rate_hz: f64) -> Self {
+    pub const fn new(state: VehicleState, layer_mm: i32, rate_hz: f64, vehicle: u8, own: (u8, u8)) -> Self {
         Self {
             state,
             target: None,
             firmware: None,
-            other_reported: false,
+            identity: Identity::new(vehicle, own),
             rate_hz,
             bring_up: BringUp::new(layer_mm),
             command: None,
@@ -65,6 +80,11 @@ impl Autopilot {
             stage: Stage::Silent,
             reminded_ms: i64::MIN / 2,
             last_text: None,
+            positions_ms: 0,
+            asked_again: 0,
+            corrections: (0, 0),
+            corrections_told_ms: i64::MIN / 2,
+            doubt_reported: false,
         }
     }
 
@@ -120,22 +140,26 @@ impl Autopilot {
         notices: &mut Vec<Notice>,
     ) -> TelemetryUpdate {
         match (self.target, telemetry) {
-            (None, Telemetry::Heartbeat(heartbeat)) if heartbeat.autopilot != NO_AUTOPILOT => {
+            (Some(target), _) if target == from => {}
+            (None, Telemetry::Heartbeat(heartbeat)) if self.identity.is_wanted(from, heartbeat) => {
                 self.identify(from, *heartbeat, notices);
             }
-            (Some(target), _) if target == from => {}
-            (Some(_), Telemetry::Heartbeat(heartbeat))
-                if heartbeat.autopilot != NO_AUTOPILOT && !self.other_reported =>
-            {
-                self.other_reported = true;
-                notices.push(Notice::warning(format!("system {} on the same link is not listened to", from.0)));
+            (_, Telemetry::Heartbeat(heartbeat)) => {
+                notices.extend(self.identity.heard_other(from, heartbeat, self.target.is_some()));
                 return TelemetryUpdate::Other;
             }
             // Messages before the first HEARTBEAT, and those of others on the same link.
             _ => return TelemetryUpdate::Other,
         }
+        if self.state.senders() == Senders::Two {
+            // Nothing of theirs is believed until the operator starts again: the gate stops.
+            return TelemetryUpdate::Other;
+        }
         match telemetry {
-            Telemetry::Ack { command, result } => self.acknowledge(*command, *result, now_ms, notices),
+            Telemetry::Ack { command, result, to } if self.identity.is_for_us(*to) => {
+                self.acknowledge(*command, *result, now_ms, notices);
+            }
+            Telemetry::Ack { to, .. } => notices.extend(self.identity.answered_other(*to)),
             Telemetry::Text { severity, text } => {
                 if *severity <= TEXT_SEVERITY {
                     self.last_text = Some((text.clone(), now_ms));
@@ -156,11 +180,19 @@ impl Autopilot {
                 }
             }
             TelemetryUpdate::ClockCorrected(ms) => {
-                notices.push(Notice::warning(format!("the autopilot corrected its clock by {ms} ms")));
+                let (count, sum) = self.corrections;
+                self.corrections = (count + 1, sum.saturating_add(ms));
             }
+            TelemetryUpdate::ClockRate(permille) => notices.push(rate_notice(permille)),
             TelemetryUpdate::Odometry | TelemetryUpdate::Other => {}
         }
+        self.report_corrections(now_ms, notices);
+        self.check_senders(notices);
+        if let Telemetry::Global(_) | Telemetry::Local(_) = telemetry {
+            (self.positions_ms, self.asked_again) = (now_ms, 0);
+        }
         if let Telemetry::Heartbeat(_) = telemetry {
+            self.check_rates(now_ms, notices);
             let mode = self.mode_name();
             if before != mode && before != "unknown" {
                 notices.push(Notice::info(format!("mode {before} -> {mode}")));
@@ -175,7 +207,11 @@ impl Autopilot {
     pub fn poll(&mut self, now_ms: i64, clearance: Clearance, notices: &mut Vec<Notice>) -> Option<CommandLong> {
         self.bring_up.set_streaming(clearance.streaming, now_ms);
         match self.stage {
-            Stage::Silent | Stage::Failed => return None,
+            Stage::Silent => {
+                notices.extend(self.identity.waiting());
+                return None;
+            }
+            Stage::Failed => return None,
             Stage::Subscribing => self.subscribe(now_ms),
             Stage::Idle | Stage::BringUp | Stage::Flying => self.advance(now_ms, clearance.bring_up, notices),
         }
@@ -194,8 +230,17 @@ impl Autopilot {
             self.stage = Stage::Subscribing;
             self.next_rate = 0;
         }
+        if self.state.senders() == Senders::Two {
+            self.state.forget_senders();
+        }
         self.command = None;
         self.bring_up.restart();
+    }
+
+    /// What the operator should look at while the vehicle is not heard, if that is known.
+    #[must_use]
+    pub fn advice(&self) -> Option<String> {
+        self.identity.advice().filter(|_| self.target.is_none())
     }
 
     /// Commands the return to launch.
@@ -245,11 +290,56 @@ impl Autopilot {
             self.command = None;
         }
         let Some(&(id, hz)) = message_rates(self.firmware, self.rate_hz).get(self.next_rate) else {
-            self.stage = Stage::Idle;
+            (self.stage, self.positions_ms) = (Stage::Idle, now_ms);
             return;
         };
         let interval_us = (1e6 / hz).round() as f32;
         self.request(mav_cmd::SET_MESSAGE_INTERVAL, [id as f32, interval_us, 0.0, 0.0, 0.0, 0.0, 0.0], now_ms);
+    }
+
+    /// Requests the rates again when heartbeats come and positions do not, as after a reboot.
+    fn check_rates(&mut self, now_ms: i64, notices: &mut Vec<Notice>) {
+        let ends_flight = self.command.is_some_and(|command| command.ends_flight && !command.is_accepted());
+        let wait_ms = POSITIONS_MS << self.asked_again.min(MOST_DOUBLED);
+        let waits = matches!(self.stage, Stage::Idle | Stage::Flying) && !ends_flight;
+        if !waits || now_ms - self.positions_ms < wait_ms {
+            return;
+        }
+        if self.asked_again == 0 {
+            notices.push(Notice::info("heartbeats come, and positions do not: asking for the message rates again"));
+        }
+        self.asked_again += 1;
+        (self.stage, self.next_rate, self.command) = (Stage::Subscribing, 0, None);
+    }
+
+    /// Refuses to fly two vehicles at once.
+    fn check_senders(&mut self, notices: &mut Vec<Notice>) {
+        let system = self.target.map_or(0, |(system, _)| system);
+        match self.state.senders() {
+            Senders::One => {}
+            Senders::Doubtful => {
+                if !std::mem::replace(&mut self.doubt_reported, true) {
+                    notices.push(Notice::warning(format!(
+                        "many messages of system {system} come out of order: do two vehicles send with this system id?"
+                    )));
+                }
+            }
+            Senders::Two => self.give_up(
+                &format!("two vehicles send as system {system}: give each its own (MAV_SYSID, PX4: MAV_SYS_ID)"),
+                notices,
+            ),
+        }
+    }
+
+    /// Tells of corrections of the clock: of the first at once, of others summed up.
+    fn report_corrections(&mut self, now_ms: i64, notices: &mut Vec<Notice>) {
+        let (count, sum) = self.corrections;
+        if count == 0 || now_ms - self.corrections_told_ms < CORRECTIONS_MS {
+            return;
+        }
+        (self.corrections, self.corrections_told_ms) = ((0, 0), now_ms);
+        let times = if count == 1 { String::new() } else { format!("{count} times, ") };
+        notices.push(Notice::warning(format!("the autopilot corrected its clock {times}by {sum} ms")));
     }
 
     /// Goes on towards flight, as far as the gate allows.
@@ -364,4 +454,16 @@ impl Autopilot {
             notices.push(Notice::info(text()));
         }
     }
+}
+
+/// The two clocks of a vehicle began to run apart, or run together again.
+fn rate_notice(permille: i64) -> Notice {
+    if (995..=1005).contains(&permille) {
+        return Notice::info("the autopilot's Unix time runs as fast as its own clock again");
+    }
+    let times = permille as f64 / 1000.0;
+    Notice::warning(format!(
+        "the autopilot's Unix time (SYSTEM_TIME) runs {times:.2} times as fast as its own clock: is the simulation's \
+         speed not 1? Steps would have another length; holding until both agree"
+    ))
 }

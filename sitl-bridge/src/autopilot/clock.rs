@@ -1,5 +1,7 @@
 //! The vehicle's boot clock, and the swarm's common clock (Unix time) derived from it.
 
+use super::clock_rate::ClockRate;
+
 /// A `time_boot_ms` older than the newest by less than this comes from a reordered message, ms.
 const REORDERED_MS: i32 = 5_000;
 /// A `time_boot_ms` ahead of the newest by more than this comes from another boot, ms.
@@ -29,6 +31,7 @@ pub struct VehicleClock {
     offset_ms: Option<i64>,
     /// The offset comes from the host's clock and gives way to the vehicle's.
     host_offset: bool,
+    rate: ClockRate,
 }
 
 impl VehicleClock {
@@ -63,9 +66,29 @@ impl VehicleClock {
         Some(self.extended_ms + i64::from(boot_ms.wrapping_sub(newest) as i32))
     }
 
+    /// Takes in SYSTEM_TIME before [`Self::set_unix`]: whether Unix time, ms, still runs as fast as the
+    /// vehicle's clock. Returns its rate in thousandths when that has changed. While it does not, there is
+    /// no common clock.
+    pub fn check_rate(&mut self, unix_ms: i64, boot_ms: u32) -> Option<i64> {
+        let changed = self.rate.update(unix_ms, self.extend(boot_ms)?);
+        if self.rate.is_drifting() {
+            self.offset_ms = None;
+        }
+        changed
+    }
+
+    /// Whether Unix time runs at another rate than the vehicle's clock.
+    #[must_use]
+    pub const fn is_drifting(&self) -> bool {
+        self.rate.is_drifting()
+    }
+
     /// Takes in SYSTEM_TIME: Unix time, ms, at `boot_ms`. Returns the correction of the common
     /// clock, ms, if it was corrected.
     pub fn set_unix(&mut self, unix_ms: i64, boot_ms: u32) -> Option<i64> {
+        if self.is_drifting() {
+            return None;
+        }
         let offset = unix_ms - self.extend(boot_ms)?;
         let moved = offset - self.offset_ms.unwrap_or(offset);
         if self.offset_ms.is_none() || self.host_offset || moved.abs() > DRIFT_MS {
@@ -78,7 +101,7 @@ impl VehicleClock {
 
     /// Sets the common clock by the host's Unix time, ms, where no SYSTEM_TIME has set it.
     pub fn set_host(&mut self, unix_ms: i64) {
-        if self.offset_ms.is_none() && self.newest.is_some() {
+        if self.offset_ms.is_none() && self.newest.is_some() && !self.is_drifting() {
             self.offset_ms = Some(unix_ms - self.extended_ms);
             self.host_offset = true;
         }

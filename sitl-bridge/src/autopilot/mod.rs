@@ -16,11 +16,14 @@
 mod bring_up;
 mod client;
 mod clock;
+mod clock_rate;
 mod command;
 mod firmware;
+mod identity;
 mod message_rates;
 mod notice;
 mod odometry;
+mod shared_id;
 mod stage;
 mod vehicle_state;
 

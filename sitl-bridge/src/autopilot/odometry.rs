@@ -2,7 +2,8 @@
 //!
 //! The global position is in the frame that all UAVs share, with a grain of 11 mm. The local position
 //! has the precision of a float, relative to the estimator's own origin. Where both are of the same
-//! time and agree, the local one refines the global one.
+//! time and agree, the local one refines the global one. ArduPilot sends them in the same millisecond.
+//! PX4 sends them 32 to 40 ms apart: there the last local position is moved on by its velocity.
 
 use crate::messages::{GlobalPosition, LocalPosition};
 use crate::mission::Place;
@@ -18,6 +19,9 @@ const DISAGREE_SHARE: f64 = 0.01;
 /// Two messages with times no farther apart than this belong to the same sample, ms: an autopilot
 /// stamps each as it is sent.
 const SAME_MS: u32 = 5;
+/// Where no times are the same, a local position may be this much older, ms: within that time 3 m/s² of
+/// acceleration change what is moved on by velocity by 8 mm.
+const NEAR_MS: u32 = 75;
 /// After so many GLOBAL_POSITION_INT without a LOCAL_POSITION_NED of the same time it is no longer
 /// waited for.
 const MAX_UNPAIRED: u8 = 3;
@@ -59,7 +63,7 @@ impl Odometry {
 pub(super) struct PositionPairing {
     /// A global position that waits for its local one.
     pending: Option<Odometry>,
-    /// A local position that came before its global one.
+    /// The last local position that did not complete a global one.
     early: Option<LocalPosition>,
     /// Global positions without a local one since the last pair.
     unpaired: u8,
@@ -81,16 +85,21 @@ impl PositionPairing {
 
     /// Adds a global position; returns the odometry if it is complete.
     pub fn add_global(&mut self, mut odometry: Odometry) -> Option<Odometry> {
-        if let Some(local) = self.early.take().filter(|local| is_same_time(local.boot_ms, odometry.boot_ms)) {
+        let early = self.early.take();
+        if let Some(local) = early.filter(|local| is_same_time(local.boot_ms, odometry.boot_ms)) {
             self.unpaired = 0;
             self.pending = None;
             self.refine(&mut odometry, &local);
             return Some(odometry);
         }
+        let older_ms = |local: &LocalPosition| odometry.boot_ms.wrapping_sub(local.boot_ms);
+        let near = early.filter(|local| older_ms(local) <= NEAR_MS);
         let waits = self.unpaired < MAX_UNPAIRED;
         if waits {
             // The one that still waits never got its local position.
             self.unpaired += u8::from(self.pending.is_some());
+        } else if let Some(local) = near {
+            self.refine(&mut odometry, &local);
         }
         // Also when it is not waited for: a local position that comes after all begins pairing again.
         self.pending = Some(odometry);
@@ -109,14 +118,20 @@ impl PositionPairing {
         waited_for.then_some(odometry)
     }
 
-    /// Takes over the local velocity, and the local position where it agrees.
+    /// Takes over the local position where it agrees, moved on to the time of the global one, and the local
+    /// velocity where it is of the same time.
     fn refine(&mut self, odometry: &mut Odometry, local: &LocalPosition) {
         if !local.is_finite() {
             return;
         }
-        let [north, east, _] = local.position_m.map(|m| f64::from(m) * 1000.0);
         let [v_north, v_east, v_down] = local.velocity_mps.map(f64::from);
-        odometry.velocity_mps = [v_east, v_north, -v_down];
+        if is_same_time(local.boot_ms, odometry.boot_ms) {
+            odometry.velocity_mps = [v_east, v_north, -v_down];
+        }
+        // Metres per second are millimetres per millisecond.
+        let later_ms = f64::from(odometry.boot_ms.wrapping_sub(local.boot_ms) as i32);
+        let [north, east, _] = local.position_m.map(|m| f64::from(m) * 1000.0);
+        let (north, east) = (north + v_north * later_ms, east + v_east * later_ms);
         let Some(origin) = self.origin else { return };
         let place = Place { east_mm: origin.east_mm + east, north_mm: origin.north_mm + north };
         let global = odometry.place;

@@ -3,11 +3,14 @@
 use super::clock::{ClockUpdate, VehicleClock};
 use super::firmware::{Firmware, Mode};
 use super::odometry::{Odometry, PositionPairing};
+use super::shared_id::{Senders, SharedId};
 use crate::messages::{GlobalPosition, Heartbeat, LocalPosition, Telemetry};
 use crate::mission::Plane;
 
 /// Altitudes beyond this are refused as invalid, mm; it also keeps sums of altitudes within 32 bits.
 const HIGHEST_MM: u32 = 100_000_000;
+/// Unix time before 2020 is that of a clock that was never set, ms.
+const UNSET_BEFORE_MS: i64 = 1_577_836_800_000;
 
 /// What a message changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +21,9 @@ pub enum TelemetryUpdate {
     Rebooted,
     /// The common clock was corrected by so many ms.
     ClockCorrected(i64),
+    /// Unix time began to run at another rate than the vehicle's clock, or stopped doing so: its rate in
+    /// thousandths.
+    ClockRate(i64),
     /// Anything else.
     Other,
 }
@@ -26,6 +32,7 @@ pub enum TelemetryUpdate {
 #[derive(Clone, Debug)]
 pub struct VehicleState {
     plane: Plane,
+    shared_id: SharedId,
     /// The vehicle's boot clock and the common clock.
     pub clock: VehicleClock,
     /// The last HEARTBEAT and the `time_boot_ms` when it arrived.
@@ -51,6 +58,7 @@ impl VehicleState {
     pub fn new(plane: Plane) -> Self {
         Self {
             plane,
+            shared_id: SharedId::default(),
             clock: VehicleClock::default(),
             heartbeat: None,
             odometry: None,
@@ -117,6 +125,16 @@ impl VehicleState {
         self.clock.newest().unwrap_or(0)
     }
 
+    /// Whether one vehicle sends with its system id, or two.
+    pub(super) const fn senders(&self) -> Senders {
+        self.shared_id.senders()
+    }
+
+    /// Forgets that two vehicles were heard.
+    pub(super) fn forget_senders(&mut self) {
+        self.shared_id = SharedId::default();
+    }
+
     /// What a start still waits for, in words.
     pub(super) fn missing(&self) -> Option<&'static str> {
         if self.odometry.is_none() {
@@ -125,6 +143,8 @@ impl VehicleState {
             Some("the estimator to trust its position")
         } else if self.gps_fix.is_some_and(|(kind, _)| kind < 3) {
             Some("a 3D GPS fix")
+        } else if self.clock.is_drifting() {
+            Some("a Unix time that runs as fast as the vehicle's clock")
         } else if !self.clock.is_set() {
             Some("the time (SYSTEM_TIME)")
         } else {
@@ -134,12 +154,15 @@ impl VehicleState {
 
     fn system_time(&mut self, unix_us: u64, boot_ms: u32) -> TelemetryUpdate {
         let clock = self.update_clock(boot_ms);
-        // Zero until the autopilot has it from its GPS.
+        // Zero, or 1970, until the autopilot has it from its GPS.
         let unix_ms = i64::try_from(unix_us / 1000).unwrap_or(0);
-        if unix_ms > 0
-            && let Some(moved) = self.clock.set_unix(unix_ms, boot_ms)
-        {
-            return TelemetryUpdate::ClockCorrected(moved);
+        if unix_ms >= UNSET_BEFORE_MS && clock != ClockUpdate::Reordered {
+            if let Some(permille) = self.clock.check_rate(unix_ms, boot_ms) {
+                return TelemetryUpdate::ClockRate(permille);
+            }
+            if let Some(moved) = self.clock.set_unix(unix_ms, boot_ms) {
+                return TelemetryUpdate::ClockCorrected(moved);
+            }
         }
         if clock == ClockUpdate::Restarted { TelemetryUpdate::Rebooted } else { TelemetryUpdate::Other }
     }
@@ -179,11 +202,12 @@ impl VehicleState {
 
     fn update_clock(&mut self, boot_ms: u32) -> ClockUpdate {
         let update = self.clock.update(boot_ms);
+        self.shared_id.update(update);
         if update == ClockUpdate::Restarted {
             // Nothing that was measured before the reboot holds any more.
-            let clock = self.clock;
+            let (clock, shared_id) = (self.clock, self.shared_id);
             let heartbeat = self.heartbeat.map(|(heartbeat, _)| (heartbeat, boot_ms));
-            *self = Self { clock, heartbeat, ..Self::new(self.plane) };
+            *self = Self { clock, shared_id, heartbeat, ..Self::new(self.plane) };
         }
         update
     }
@@ -270,6 +294,39 @@ mod tests {
         assert_eq!(vehicle.update(&local(1000, 0.0, 0.0)), TelemetryUpdate::Other);
         assert_eq!(vehicle.update(&global(1200, Place::default())), TelemetryUpdate::Other);
         assert_eq!(vehicle.update(&local(1200, 0.0, 0.0)), TelemetryUpdate::Odometry);
+    }
+
+    #[test]
+    fn a_local_position_that_always_comes_a_little_earlier_is_moved_on_by_its_velocity() {
+        let mut vehicle = with_origin();
+        let heard: Vec<_> = (0..8)
+            .map(|i| {
+                // 1 m/s north and 2 m/s east; the local one is 36 ms older.
+                let (north_m, east_m) = (100.0 + 0.2 * i as f32, 100.0 + 0.4 * i as f32);
+                vehicle.update(&local(1000 + i * 200, north_m - 0.036, east_m - 0.072));
+                let at = Place {
+                    east_mm: 50_000.0 + f64::from(east_m) * 1000.0,
+                    north_mm: -20_000.0 + f64::from(north_m) * 1000.0,
+                };
+                let update = vehicle.update(&global(1036 + i * 200, at));
+                (update, vehicle.odometry.map(|o| (o.fine, o.boot_ms, (o.place.east_mm - at.east_mm).abs() < 6.0)))
+            })
+            .collect();
+        assert!(heard[4..].iter().all(|(update, _)| *update == TelemetryUpdate::Odometry), "{heard:?}");
+        assert_eq!(heard[7].1, Some((true, 1036 + 1400, true)));
+        // Its velocity is of another time: that of the global one counts.
+        assert_eq!(vehicle.odometry.unwrap().velocity_mps, [2.0, 1.0, 0.5]);
+    }
+
+    #[test]
+    fn unix_time_that_was_never_set_is_not_believed() {
+        let mut vehicle = with_origin();
+        for unix_us in [0, 5_000_000, 1_500_000_000_000_000] {
+            vehicle.update(&Telemetry::SystemTime { unix_us, boot_ms: 1000 });
+            assert!(!vehicle.clock.is_set(), "{unix_us}");
+        }
+        vehicle.update(&Telemetry::SystemTime { unix_us: 1_790_000_000_000_000, boot_ms: 1200 });
+        assert!(vehicle.clock.is_set());
     }
 
     #[test]

@@ -102,6 +102,17 @@ impl SigningArgs {
         Ok((link(autopilot, 0), link(key, 1)))
     }
 
+    /// What a swarm's link without a key allows, for the operator; `None` with a key.
+    pub const fn keyless_warning(&self) -> Option<&'static str> {
+        if self.signing_key_file.is_some() || self.signing_key_env.is_some() {
+            return None;
+        }
+        Some(
+            "warning: the swarm's link has no key: whoever reaches its network can pose as a UAV and mislead this one's \
+             decisions (--signing-key-file)",
+        )
+    }
+
     /// File with the key, if it is in one.
     pub fn key_file(&self) -> Option<&Path> {
         self.signing_key_file.as_deref()

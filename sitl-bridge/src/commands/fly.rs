@@ -47,6 +47,10 @@ pub(crate) struct Fly {
     /// ArduPilot's ground-station failsafe watches this node.
     #[arg(long)]
     system: Option<u8>,
+    /// MAVLink system id of the vehicle to fly; id + 1 when left out. Other vehicles on the link are not
+    /// listened to.
+    #[arg(long, value_parser = clap::value_parser!(u8).range(1..))]
+    vehicle_system: Option<u8>,
     /// Record all MAVLink traffic.
     #[arg(long, value_name = "FILE")]
     tlog: Option<PathBuf>,
@@ -77,7 +81,10 @@ impl Fly {
         let tlog = self.tlog.as_ref().map(|path| create(path)).transpose()?;
         eprintln!("autopilot: {}", autopilot.describe());
         match &swarm {
-            Some(socket) => eprintln!("{}", socket.describe()),
+            Some(socket) => {
+                eprintln!("{}", socket.describe());
+                self.signing.keyless_warning().into_iter().for_each(|text| eprintln!("{text}"));
+            }
             None => eprintln!("no --swarm: flying alone"),
         }
         let base = if self.simulated { Limits::simulation() } else { Limits::default() };
@@ -93,7 +100,11 @@ impl Fly {
             advice: autopilot.advice(),
             ..Settings::new(self.id, actor, Arc::clone(&mission))
         };
-        let settings = Settings { system: self.system.unwrap_or(settings.system), ..settings };
+        let settings = Settings {
+            system: self.system.unwrap_or(settings.system),
+            vehicle_system: self.vehicle_system.unwrap_or(settings.vehicle_system),
+            ..settings
+        };
         let mut node = Node::new(settings, self.signing.session(None)?).into_diagnostic()?;
         let mut control = RunControl::new(stop, self.land_on_exit);
         let console = Console::default();

@@ -85,6 +85,7 @@ impl ReplayTlog {
         let settings = Settings {
             id: info.id,
             system: info.system,
+            vehicle_system: info.vehicle,
             actor,
             pois: Arc::new(PoiMap::new(&mission.pois)),
             timing: recorded.timing,

@@ -88,6 +88,12 @@ impl SetPositionTargetLocalNed {
         payload
     }
 
+    /// The system that a payload of message [`id::SET_POSITION_TARGET_LOCAL_NED`] is addressed to.
+    #[must_use]
+    pub fn target_system(payload: &[u8]) -> u8 {
+        Fields(payload).u8(50)
+    }
+
     /// Reads a payload of message [`id::SET_POSITION_TARGET_LOCAL_NED`].
     #[must_use]
     pub fn read(payload: &[u8]) -> Self {

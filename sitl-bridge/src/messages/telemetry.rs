@@ -37,6 +37,8 @@ pub enum Telemetry {
         command: u16,
         /// MAV_RESULT.
         result: u8,
+        /// System and component whose command it was; 0 where the autopilot does not say.
+        to: (u8, u8),
     },
     /// EKF_STATUS_REPORT (193) or ESTIMATOR_STATUS (230).
     Estimator {
@@ -134,7 +136,7 @@ impl Telemetry {
                 velocity_cmps: [20, 22, 24].map(|at| p.i16(at)),
             }),
             id::GPS_GLOBAL_ORIGIN => Self::Origin { lat_e7: p.i32(0), lon_e7: p.i32(4) },
-            id::COMMAND_ACK => Self::Ack { command: p.u16(0), result: p.u8(2) },
+            id::COMMAND_ACK => Self::Ack { command: p.u16(0), result: p.u8(2), to: (p.u8(8), p.u8(9)) },
             id::BATTERY_STATUS => Self::Battery(percent(35)),
             id::EKF_STATUS_REPORT => Self::Estimator { healthy: Flags::ARDUPILOT.healthy(p.u16(20)) },
             id::ESTIMATOR_STATUS => Self::Estimator { healthy: Flags::PX4.healthy(p.u16(40)) },
@@ -173,8 +175,10 @@ impl Flags {
     /// EKF_STATUS_FLAGS. Needed: attitude 1, velocity 2 and 4, absolute position 16. Bad:
     /// constant position 128, uninitialised 1024, GPS glitch 32768.
     const ARDUPILOT: Self = Self { needed: 1 | 2 | 4 | 16, bad: 128 | 1024 | 32768 };
-    /// ESTIMATOR_STATUS_FLAGS: the same, but GPS glitch is 1024 and a bad accelerometer 2048.
-    const PX4: Self = Self { needed: 1 | 2 | 4 | 16, bad: 128 | 1024 | 2048 };
+    /// ESTIMATOR_STATUS_FLAGS: the same, but GPS glitch is 1024 and a bad accelerometer 2048. PX4 sets
+    /// 128 (constant position) whenever the vehicle is at rest, so it says nothing; without a source of
+    /// position absolute position is missing too.
+    const PX4: Self = Self { needed: 1 | 2 | 4 | 16, bad: 1024 | 2048 };
 
     const fn healthy(&self, flags: u16) -> bool {
         flags & self.needed == self.needed && flags & self.bad == 0
@@ -225,6 +229,18 @@ mod tests {
         assert_eq!(report(0x33f), Some(Telemetry::Estimator { healthy: true }));
         assert_eq!(report(0x33f | 128), Some(Telemetry::Estimator { healthy: false }));
         assert_eq!(report(0x33f & !16), Some(Telemetry::Estimator { healthy: false }));
+    }
+
+    #[test]
+    fn px4_at_rest_on_the_ground_is_healthy() {
+        let report = |flags: u16| {
+            let mut payload = [0; 42];
+            payload[40..].copy_from_slice(&flags.to_le_bytes());
+            Telemetry::read(230, &payload)
+        };
+        assert_eq!(report(1023), Some(Telemetry::Estimator { healthy: true }));
+        assert_eq!(report(1023 & !16), Some(Telemetry::Estimator { healthy: false }));
+        assert_eq!(report(1023 | 1024), Some(Telemetry::Estimator { healthy: false }));
     }
 
     proptest! {

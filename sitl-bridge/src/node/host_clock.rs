@@ -18,7 +18,7 @@ impl HostClockFallback {
     /// Returns a notice when it has set the clock.
     pub fn update(&mut self, clock: &mut VehicleClock, now_ms: i64, unix_us: u64) -> Option<Notice> {
         let first = *self.first_position_ms.get_or_insert(now_ms);
-        if clock.is_set() || now_ms - first < FALLBACK_MS {
+        if clock.is_set() || clock.is_drifting() || now_ms - first < FALLBACK_MS {
             return None;
         }
         clock.set_host(i64::try_from(unix_us / 1000).unwrap_or(0));

@@ -16,6 +16,7 @@ mod link_monitor;
 mod logbook;
 mod operator;
 mod output;
+mod refusals;
 pub mod run;
 mod settings;
 mod state_machine;

@@ -33,6 +33,8 @@ pub struct Settings<'a> {
     pub id: u16,
     /// MAVLink system id of the node on the autopilot's link.
     pub system: u8,
+    /// MAVLink system id of the vehicle to fly; other vehicles on the link are not listened to.
+    pub vehicle_system: u8,
     /// The actor, which has passed its self-test on this computer.
     pub actor: Actor<'a>,
     /// The mission.
@@ -63,13 +65,14 @@ pub struct Settings<'a> {
 
 impl<'a> Settings<'a> {
     /// UAV `id` with `actor`, which has passed its self-test, on `mission`, with the limits of real
-    /// flight: it waits for its pilot to take off, requests five positions a second from a link with
+    /// flight: its vehicle has system id + 1, it waits for its pilot to take off, requests five positions a second from a link with
     /// datagrams, and signs nothing.
     #[must_use]
     pub fn new(id: u16, actor: Actor<'a>, mission: Arc<Mission>) -> Self {
         Self {
             id,
             system: system_of(id).unwrap_or(u8::MAX),
+            vehicle_system: system_of(id).unwrap_or(u8::MAX),
             actor,
             pois: Arc::new(PoiMap::new(&mission.pois)),
             timing: StepTiming::default(),

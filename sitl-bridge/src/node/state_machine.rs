@@ -10,6 +10,7 @@ use super::host_time::HostTime;
 use super::link_monitor::LinkMonitor;
 use super::operator::OperatorCommand;
 use super::output::NodeOutput;
+use super::refusals::{Link, Refusals};
 use super::settings::{Settings, SettingsError};
 use super::status::Status;
 use super::timebase::Timebase;
@@ -18,7 +19,7 @@ use crate::autopilot::{Autopilot, Notice, Odometry, Stage, TelemetryUpdate, Vehi
 use crate::frame::Frame;
 use crate::messages::{Payload, SetPositionTargetLocalNed, Telemetry, heartbeat};
 use crate::signing::Session;
-use crate::swarm_link::SwarmLink;
+use crate::swarm_link::{COMPONENT, SwarmLink};
 use firmware_core::gate::{Gate, Phase, Request, Verdict};
 use firmware_core::geometry::State;
 
@@ -36,6 +37,7 @@ pub struct Node<'a> {
     decisions: DecisionLoop<'a>,
     gate: GateDriver,
     links: LinkMonitor,
+    refusals: [Refusals; 2],
     timebase: Timebase,
     host_clock: HostClockFallback,
     /// Whether the operator, or the pilot's takeoff, has started the mission.
@@ -56,7 +58,13 @@ impl<'a> Node<'a> {
         let gate = Gate::new(settings.limits, mission.gate_fence()?)?;
         let swarm_link = SwarmLink::new(settings.id, settings.swarm_signing.clone())?;
         let layer_mm = mission.plane.alt_mm.saturating_add(mission.layers.altitude_mm(settings.id));
-        let autopilot = Autopilot::new(VehicleState::new(mission.plane), layer_mm, settings.rate_hz);
+        let autopilot = Autopilot::new(
+            VehicleState::new(mission.plane),
+            layer_mm,
+            settings.rate_hz,
+            settings.vehicle_system,
+            (settings.system, COMPONENT),
+        );
         let decisions = DecisionLoop::new(
             settings.id,
             settings.actor,
@@ -72,6 +80,7 @@ impl<'a> Node<'a> {
             decisions,
             gate: GateDriver::new(gate),
             links: LinkMonitor::default(),
+            refusals: [Link::Autopilot, Link::Swarm].map(Refusals::new),
             timebase: Timebase::default(),
             host_clock: HostClockFallback::default(),
             started: false,
@@ -240,13 +249,30 @@ impl<'a> Node<'a> {
     /// Runs the node's timers. To be called after each turn of receiving, and at least every 50 ms.
     pub fn tick(&mut self, now: HostTime, out: &mut NodeOutput) {
         self.advance_clock(now);
-        out.notices.extend(self.links.check_silence(now, &self.settings.advice));
+        let advice = self.autopilot.advice();
+        let advice = advice.as_deref().unwrap_or(&self.settings.advice);
+        out.notices.extend(self.links.check_silence(now, advice));
+        self.report_refusals(now, out);
         // When positions cease the gate is asked all the same.
         if let Some(filter) = self.gate.overdue(self.autopilot.state.now_ms(), now) {
             self.ask_gate(now, filter, out);
         }
         self.send_heartbeat(now, out);
         self.poll_autopilot(now, out);
+    }
+
+    /// Tells of frames that signing refused.
+    fn report_refusals(&mut self, now: HostTime, out: &mut NodeOutput) {
+        let [autopilot, swarm] = &mut self.refusals;
+        autopilot.update(&self.autopilot_link.rejected(), now, &mut out.notices);
+        swarm.update(&self.swarm_link.counts(), now, &mut out.notices);
+        out.notices.extend(self.autopilot_link.keyless_notice());
+        if self.session.takes_far_future() {
+            out.notices.push(Notice::warning(
+                "signatures come with times more than a day ahead of this computer's clock, and are not followed: \
+                 set its clock, or the sender's",
+            ));
+        }
     }
 
     fn advance_clock(&mut self, now: HostTime) {
@@ -270,7 +296,7 @@ impl<'a> Node<'a> {
             TelemetryUpdate::Other if control(&self.autopilot) != before => {
                 self.ask_gate(now, SetpointFilter::NewVerdict, out);
             }
-            TelemetryUpdate::Other | TelemetryUpdate::ClockCorrected(_) => {}
+            TelemetryUpdate::Other | TelemetryUpdate::ClockCorrected(_) | TelemetryUpdate::ClockRate(_) => {}
             TelemetryUpdate::Rebooted => self.decisions.reset(),
             TelemetryUpdate::Odometry => self.handle_odometry(now, out),
         }

@@ -4,7 +4,7 @@ use super::error::RecordingError;
 use super::notes::Notes;
 use super::times::Times;
 use crate::frame::Frame;
-use crate::messages::{CommandLong, id, mav_cmd};
+use crate::messages::{CommandLong, SetPositionTargetLocalNed, id, mav_cmd};
 use crate::swarm_link::{COMPONENT, is_neighbour, system_of};
 use crate::tlog::{Flight, NOTE_COMPONENT, Note, Record, TlogReader};
 use std::collections::{BTreeMap, BTreeSet};
@@ -37,6 +37,8 @@ pub struct RecordingInfo {
     pub id: u16,
     /// The node's MAVLink system towards the autopilot.
     pub system: u8,
+    /// MAVLink system of the vehicle that it flew.
+    pub vehicle: u8,
     /// Whether the node brought its vehicle into flight.
     pub took_off: bool,
     /// Frames in the log.
@@ -58,7 +60,7 @@ impl RecordingInfo {
     /// # Errors
     /// See [`RecordingError`].
     pub fn of<R: Read>(log: &mut TlogReader<R>, id: Option<u16>, system: Option<u8>) -> Result<Self, RecordingError> {
-        let (mut nodes, mut ids) = (BTreeSet::new(), BTreeSet::new());
+        let (mut nodes, mut ids) = (BTreeMap::new(), BTreeSet::new());
         let (mut records, mut bytes) = (0, 0);
         let mut brought_up = BTreeSet::new();
         let mut notes: BTreeMap<u8, Notes> = BTreeMap::new();
@@ -74,7 +76,8 @@ impl RecordingInfo {
                 ids.extend(frame.system().checked_sub(1).map(u16::from));
             } else if frame.component() == COMPONENT {
                 if frame.message_id() == id::SET_POSITION_TARGET_LOCAL_NED {
-                    nodes.insert(frame.system());
+                    let to = SetPositionTargetLocalNed::target_system(frame.payload());
+                    nodes.entry(frame.system()).or_insert(to);
                 } else if frame.message_id() == id::COMMAND_LONG
                     && BRING_UP.contains(&CommandLong::read(frame.payload()).command)
                 {
@@ -86,13 +89,13 @@ impl RecordingInfo {
             return Err(RecordingError::NoFrames { bytes: bytes + log.skipped() });
         }
         times.check()?;
-        nodes.retain(|&node| system.is_none_or(|s| s == node));
-        let system = match (nodes.first(), nodes.len()) {
+        nodes.retain(|&node, _| system.is_none_or(|s| s == node));
+        let system = match (nodes.keys().next(), nodes.len()) {
             (Some(&only), 1) => only,
             (None, _) => return Err(RecordingError::NoSetpoints { records, system }),
-            _ => match id.and_then(system_of).filter(|s| nodes.contains(s)) {
+            _ => match id.and_then(system_of).filter(|s| nodes.contains_key(s)) {
                 Some(own) => own,
-                None => return Err(RecordingError::SeveralNodes { systems: nodes.into_iter().collect() }),
+                None => return Err(RecordingError::SeveralNodes { systems: nodes.into_keys().collect() }),
             },
         };
         let Notes { flight, epoch_ms, flights, .. } = notes.remove(&system).unwrap_or_default();
@@ -114,8 +117,9 @@ impl RecordingInfo {
         };
         let noted = flight.as_ref().and_then(|flight| flight.number::<u8>("take_off"));
         let took_off = noted.map_or_else(|| brought_up.contains(&system), |noted| noted != 0);
+        let vehicle = nodes.get(&system).copied().unwrap_or(system);
         let (skipped, cut) = (log.skipped(), log.is_cut());
-        Ok(Self { id, system, took_off, records, skipped, cut, flight, epoch_ms })
+        Ok(Self { id, system, vehicle, took_off, records, skipped, cut, flight, epoch_ms })
     }
 
     /// What a frame was to the node. A neighbour message that an autopilot had passed on looks

@@ -13,6 +13,9 @@ use zeroize::{Zeroize as _, Zeroizing};
 /// The longest text a key is read from, bytes.
 const MAX_TEXT: u64 = 4096;
 
+/// What stands before a passphrase that looks like something else.
+const INSISTS: &str = "passphrase:";
+
 /// A key of 32 bytes, wiped from memory when dropped. It is never printed.
 #[derive(Clone)]
 pub struct Key([u8; 32]);
@@ -59,6 +62,19 @@ pub enum KeyError {
     /// It is neither text nor hexadecimal digits.
     #[error("the signing key in {0} is no text: it must be 64 hexadecimal digits or a passphrase")]
     NotText(String),
+    /// It looks like a key in another notation than hexadecimal digits.
+    #[error(
+        "the signing key in {place} looks like {notation}: give its 32 bytes as 64 hexadecimal digits and nothing else \
+         ({how}), or write `passphrase:` before it if it really is a passphrase"
+    )]
+    Notation {
+        /// Where it was read.
+        place: String,
+        /// What it looks like.
+        notation: &'static str,
+        /// How to convert it.
+        how: &'static str,
+    },
     /// It looks like hexadecimal digits, but not 64 of them.
     #[error(
         "the signing key in {place} has {digits} hexadecimal digits, a key has 64; a passphrase needs another character"
@@ -85,7 +101,8 @@ impl Key {
     }
 
     /// Reads a key from a file that only its owner may read: 64 hexadecimal digits, or a
-    /// passphrase. White space around it does not count.
+    /// passphrase. White space around it does not count. What follows `passphrase:` is one, whatever it
+    /// looks like.
     ///
     /// # Errors
     /// See [`KeyError`].
@@ -132,6 +149,12 @@ impl Key {
         if text.is_empty() {
             return Err(KeyError::Empty(place.into()));
         }
+        if let Some(passphrase) = text.strip_prefix(INSISTS) {
+            return Ok(Self::from_passphrase(passphrase));
+        }
+        if let Some((notation, how)) = other_notation(text) {
+            return Err(KeyError::Notation { place: place.into(), notation, how });
+        }
         let digits = text.len();
         if !text.bytes().all(|b| b.is_ascii_hexdigit()) || digits < 32 {
             return Ok(Self::from_passphrase(text));
@@ -161,6 +184,26 @@ impl Key {
     pub(super) fn is_code(&self, code: [u8; 6], frame: &[u8], link_and_time: &[u8]) -> bool {
         self.code(frame, link_and_time).ct_eq(&code).into()
     }
+}
+
+/// The notation of a text that is likely a key and no passphrase, and how to convert it.
+fn other_notation(text: &str) -> Option<(&'static str, &'static str)> {
+    if text.starts_with('\u{feff}') {
+        return Some(("text with a byte order mark", "save it as UTF-8 without one"));
+    }
+    let hex = |text: &str| text.len() >= 32 && text.bytes().all(|b| b.is_ascii_hexdigit());
+    if text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")).is_some_and(hex) {
+        return Some(("hexadecimal digits with a prefix", "without `0x`"));
+    }
+    // 32 bytes are 43 characters and a pad. Words are not written with capitals, small letters and digits mixed.
+    let characters = text.strip_suffix('=').unwrap_or(text);
+    let alphabet = |b: u8| b.is_ascii_alphanumeric() || matches!(b, b'+' | b'/' | b'-' | b'_');
+    let has = |kind: fn(&u8) -> bool| characters.bytes().any(|b| kind(&b));
+    let mixed = has(u8::is_ascii_uppercase) && has(u8::is_ascii_lowercase) && has(u8::is_ascii_digit);
+    if characters.len() == 43 && characters.bytes().all(alphabet) && (mixed || text.len() == 44) {
+        return Some(("base64 of 32 bytes", "`base64 -d | xxd -p -c 32` converts it"));
+    }
+    None
 }
 
 impl Drop for Key {

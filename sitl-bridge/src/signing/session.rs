@@ -10,6 +10,11 @@ use thiserror::Error;
 
 /// How much older than our clock the first frame of a stream may be (MAVLink's rule).
 const FIRST_SEEN: Duration = Duration::from_secs(60);
+/// A sender this much ahead of our clock is believed, but its time is not taken over: one wrong clock
+/// would otherwise move everybody's timestamps out of reach for good.
+const FAR_AHEAD: Duration = Duration::from_secs(24 * 3600);
+/// Before 2020 our own clock was never set, and the time of others is all there is.
+const CLOCK_UNSET: Timestamp = Timestamp::from_unix_us(1_577_836_800_000_000);
 
 /// How unsigned frames are treated on a link that has a key.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -76,6 +81,9 @@ pub struct Session {
     ahead: Duration,
     /// The newest timestamp that was issued; no older one is issued any more.
     issued: Timestamp,
+    /// A sender was far ahead of our clock; and it was told.
+    far_ahead: bool,
+    far_ahead_told: bool,
     state: Option<StateFile>,
 }
 
@@ -151,8 +159,17 @@ impl Session {
             _ => {}
         }
         self.streams.insert(stream, signature.timestamp);
-        self.learn(signature.timestamp, now);
+        if now >= CLOCK_UNSET && signature.timestamp.since(self.time(now)) > FAR_AHEAD {
+            self.far_ahead = true;
+        } else {
+            self.learn(signature.timestamp, now);
+        }
         Ok(())
+    }
+
+    /// Whether a sender with the key was more than a day ahead of our clock; true once.
+    pub(crate) fn takes_far_future(&mut self) -> bool {
+        self.far_ahead && !std::mem::replace(&mut self.far_ahead_told, self.far_ahead)
     }
 
     /// The error of the last write of the state file, if it failed: after a restart others may then reject

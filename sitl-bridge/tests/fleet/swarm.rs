@@ -61,6 +61,7 @@ impl Swarm {
                 let settings = Settings {
                     id,
                     system: system_of(id).expect("few"),
+                    vehicle_system: system_of(id).expect("few"),
                     actor,
                     mission: Arc::clone(&mission),
                     pois: Arc::clone(&pois),

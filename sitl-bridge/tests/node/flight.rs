@@ -41,6 +41,7 @@ pub fn settings(id: u16, mission: &Mission, take_off: bool) -> Settings<'static>
     Settings {
         id,
         system: id as u8 + 1,
+        vehicle_system: 7,
         actor: actor(),
         mission: Arc::new(mission.clone()),
         pois: Arc::new(PoiMap::new(&mission.pois)),
@@ -152,6 +153,16 @@ impl Flight {
         self.told.extend(told.iter().map(|&frame| (self.vehicle.boot_ms, frame)));
         self.out.clear();
         told
+    }
+
+    /// A tick of two vehicles, or of one that is not the node's.
+    pub fn hear_all(&mut self, frames: &[Frame]) {
+        self.wall_ms += self.wall_ms_a_tick;
+        let now = self.now();
+        for frame in frames {
+            self.node.receive_autopilot(frame.bytes(), now, &mut self.out);
+        }
+        self.turn();
     }
 
     /// Something of the autopilot between two ticks.

@@ -2,6 +2,8 @@
 
 mod faults;
 mod flight;
+mod identity;
+mod keys;
 mod neighbours;
 mod robust;
 mod vehicle;

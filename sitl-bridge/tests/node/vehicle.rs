@@ -50,6 +50,10 @@ pub struct Vehicle {
     pub gps_fix: u8,
     /// Position and velocity go on being told as they were.
     pub frozen: Option<(Place, [f64; 2])>,
+    /// ArduPilot after a boot: heartbeats only, until a rate of positions is requested.
+    pub waits_for_rates: bool,
+    /// Unix time that passes in a second of its own clock, s.
+    pub unix_rate: f64,
     /// No positions are sent.
     pub without_positions: bool,
     encoder: Encoder,
@@ -85,6 +89,8 @@ impl Vehicle {
             broken: false,
             gps_fix: 3,
             frozen: None,
+            waits_for_rates: false,
+            unix_rate: 1.0,
             without_positions: false,
             encoder: Encoder::new(7, 1),
             replies: Vec::new(),
@@ -98,7 +104,7 @@ impl Vehicle {
     pub fn tick(&mut self) -> Vec<Frame> {
         self.ticks += 1;
         self.boot_ms = self.boot_ms.wrapping_add(TICK_MS);
-        self.unix_ms += i64::from(TICK_MS);
+        self.unix_ms += (f64::from(TICK_MS) * self.unix_rate) as i64;
         let dt = f64::from(TICK_MS) / 1000.0;
         if let Some(target) = self.target_mm {
             self.height_mm += (target - self.height_mm).clamp(-500.0, 500.0);
@@ -108,7 +114,15 @@ impl Vehicle {
         let mut out = std::mem::take(&mut self.replies);
         if self.ticks % 5 == 1 {
             out.push(self.heartbeat());
-            let flags: u16 = if self.healthy { 0x33f } else { 0x3a7 };
+            if self.waits_for_rates {
+                return out;
+            }
+            let flags: u16 = match self.firmware {
+                _ if !self.healthy => 0x3a7,
+                // Seen on PX4: all ten flags on the ground, constant position among them.
+                Firmware::Px4 if self.height_mm == 0.0 => 1023,
+                _ => 0x33f,
+            };
             let (id, at, len) = if self.firmware == Firmware::Px4 { (230, 40, 42) } else { (193, 20, 22) };
             let mut estimator = vec![0; len];
             estimator[at..].copy_from_slice(&flags.to_le_bytes());
@@ -124,7 +138,7 @@ impl Vehicle {
             let unix_us = if self.knows_time { self.unix_ms as u64 * 1000 } else { 0 };
             out.push(self.frame(2, &[&unix_us.to_le_bytes()[..], &self.boot_ms.to_le_bytes()].concat()));
         }
-        if self.without_positions {
+        if self.without_positions || self.waits_for_rates {
             return out;
         }
         out.push(self.global());
@@ -132,6 +146,12 @@ impl Vehicle {
             out.push(self.local());
         }
         out
+    }
+
+    /// It boots again, as ArduPilot does.
+    pub fn reboot(&mut self) {
+        (self.boot_ms, self.armed, self.custom_mode, self.waits_for_rates) = (300, false, 0, true);
+        (self.height_mm, self.velocity, self.target_mm) = (0.0, [0.0; 2], None);
     }
 
     /// Whether the next tick tells of health, mode and time besides the position.
@@ -230,7 +250,10 @@ impl Vehicle {
 
     fn carry_out(&mut self, id: u16, params: [f32; 7]) -> u8 {
         match (id, self.firmware) {
-            (mav_cmd::SET_MESSAGE_INTERVAL, _) => 0,
+            (mav_cmd::SET_MESSAGE_INTERVAL, _) => {
+                self.waits_for_rates &= params[0] != 33.0;
+                0
+            }
             (mav_cmd::COMPONENT_ARM_DISARM, Firmware::ArduPilot) if self.custom_mode != 4 => 4,
             (mav_cmd::COMPONENT_ARM_DISARM, _) => {
                 self.armed = params[0] == 1.0;

@@ -70,6 +70,27 @@ fn what_is_no_key_is_refused() {
 }
 
 #[test]
+fn what_looks_like_a_key_in_another_notation_is_asked_about() {
+    let folder = tempfile::tempdir().unwrap();
+    let read = |text: &str| Key::from_file(&key_file(folder.path(), text.as_bytes(), 0o600));
+    let texts = [
+        ("0x000102030405060708090a0b0c0d0e0f101112131415161718191A1B1C1D1E1F", "without `0x`"),
+        ("AAECAwQFBgcICQoLDA0ODxAREhMUFRYXGBkaGxwdHh8=", "base64 -d"),
+        ("AAECAwQFBgcICQoLDA0ODxAREhMUFRYXGBkaGxwdHh8", "base64 -d"),
+        ("\u{feff}a passphrase", "UTF-8"),
+    ];
+    for (text, how) in texts {
+        let error = read(text).expect_err("likely no passphrase").to_string();
+        assert!(error.contains(how) && error.contains("`passphrase:`") && !error.contains(text), "{error}");
+        let insisted = read(&format!("passphrase:{text}\n")).unwrap();
+        assert_eq!(code(insisted), code(Key::from_passphrase(text)));
+    }
+    for text in ["four words of a passphrase, not so short", "0xcafe", "thequickbrownfoxjumpsoverthelazydogandsleeps"] {
+        assert_eq!(code(read(text).unwrap()), code(Key::from_passphrase(text)));
+    }
+}
+
+#[test]
 fn a_key_comes_from_the_environment_too() {
     // Set by cargo for every test.
     let text = std::env::var("CARGO_PKG_NAME").unwrap();

@@ -216,6 +216,20 @@ fn a_sender_without_a_clock_learns_the_time_from_others() {
     assert_eq!(Session::new().verify(&ours, &learned, at(3600)), Ok(()));
 }
 
+/// One sender's clock that is years ahead does not carry everybody's timestamps with it.
+#[test]
+fn a_sender_from_the_far_future_moves_nobody() {
+    let ours = link(1, 0);
+    let mut session = Session::new();
+    assert_eq!(session.verify(&ours, &signed(&ours, at(10 * 365 * 86_400)), NOW), Ok(()));
+    assert_eq!(session.sign(&ours, frame(1), NOW).unwrap().signature().unwrap().timestamp, NOW);
+    // Hours ahead are followed, or that sender would refuse our frames.
+    let ahead = Encoder::new(2, 1).encode(&position(1)).unwrap();
+    let ahead = Session::new().sign(&ours, ahead, at(3600)).unwrap();
+    assert_eq!(session.verify(&ours, &ahead, NOW), Ok(()));
+    assert!(session.sign(&ours, frame(1), NOW).unwrap().signature().unwrap().timestamp >= at(3600));
+}
+
 #[test]
 fn mavlink_1_cannot_be_signed_and_nothing_is_signed_twice() {
     let ours = link(1, 0);

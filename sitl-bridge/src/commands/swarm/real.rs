@@ -30,6 +30,9 @@ pub(super) struct RealArgs {
     /// Link of the first autopilot.
     #[arg(long, default_value = "udpin:0.0.0.0:14550")]
     autopilot: Address,
+    /// MAVLink system id of the first UAV's vehicle, the others follow; each UAV's id + 1 when left out.
+    #[arg(long, conflicts_with = "sim", value_parser = clap::value_parser!(u8).range(1..))]
+    vehicle_system: Option<u8>,
     /// How much higher the port of each next autopilot is: 10 for ArduPilot's simulator, 1 for
     /// PX4's.
     #[arg(long, default_value_t = 10)]
@@ -61,11 +64,16 @@ impl RealArgs {
         let mission = Arc::new(mission::read(path)?);
         let pois = Arc::new(PoiMap::new(&mission.pois));
         let (autopilot_signing, swarm_signing) = shared.signing.links()?;
+        // Without --swarm the link does not leave this computer.
+        if let Some(text) = shared.signing.keyless_warning().filter(|_| self.swarm.is_some()) {
+            eprintln!("{text}");
+        }
         let base = if self.simulated { Limits::simulation() } else { Limits::default() };
         let mut nodes = Vec::new();
         for (i, links) in self.links(shared)?.into_iter().enumerate() {
             let id = self.first_id + i as u16;
             let settings = Settings {
+                vehicle_system: self.vehicle_of(i, id)?,
                 pois: Arc::clone(&pois),
                 timing: shared.timing.timing(mission.scale.step_ms)?,
                 limits: gate_limits(base, &mission),
@@ -126,6 +134,13 @@ impl RealArgs {
             println!("{}", counters.to_json(shared.count));
         }
         flown.into_diagnostic()
+    }
+
+    /// System id of the vehicle of the `i`-th UAV, which has this id.
+    fn vehicle_of(&self, i: usize, id: u16) -> Result<u8> {
+        let first = self.vehicle_system.map_or(usize::from(self.first_id) + 1, usize::from);
+        u8::try_from(first + i)
+            .map_err(|_| miette!("--vehicle-system {first}: none is left for UAV {id}, they end at 255"))
     }
 
     /// Opens the links of all nodes.
