@@ -1,7 +1,7 @@
 //! `train`: the main job, from settings to actor file and report.
 
 use super::device::put;
-use super::interrupt::{INTERRUPTED, stop_on_signals};
+use super::interrupt::{INTERRUPTED, Stop};
 use super::session::Session;
 use super::settings::{apply, warn};
 use super::threads::{cores, use_threads};
@@ -22,7 +22,8 @@ pub fn run(args: &Train) -> Result<()> {
     if args.threads == Some(0) {
         return Err(miette!("--threads 0: use at least 1"));
     }
-    let stop = stop_on_signals()?;
+    let stop = Stop::on_signals()?;
+    stop.at_once("stopped before training; nothing was begun".into());
     let (folder, trainer) = if let Some(dir) = &args.resume {
         let folder = RunFolder::open(dir).into_diagnostic()?;
         let (settings, checkpoint) = folder.load().into_diagnostic()?;
@@ -38,14 +39,17 @@ pub fn run(args: &Train) -> Result<()> {
     use_threads(Some(threads));
     let workers = Workers::new(threads.min(shards)).into_diagnostic()?;
     let mut session = Session::open(folder, trainer, args.resume.is_some(), Mode::detect(args.quiet))?;
-    if !session.train(&workers, &stop, |_| {})? {
-        session.say(&format!(
-            "stopped at {} episodes; go on with: host-trainer train --resume {}",
-            session.episodes(),
-            session.folder().path().display()
-        ));
+    let how = format!("host-trainer train --resume {}", session.folder().path().display());
+    let trained = {
+        let _saving = stop.saving();
+        session.train(&workers, &stop, |_| {})?
+    };
+    if !trained {
+        session.say(&format!("stopped at {} episodes; go on with: {how}", session.episodes()));
         std::process::exit(INTERRUPTED);
     }
+    stop.at_once(format!("stopped while quantising and measuring; training is done and saved; go on with: {how}"));
+    stop.end_if_signalled();
     session.finish()
 }
 
