@@ -191,3 +191,33 @@ fn a_signal_while_it_measures_ends_the_run_and_nothing_is_lost() {
     assert!(!out.join("evaluation.json").exists());
     runs.check(&out);
 }
+
+#[test]
+fn a_run_folder_has_one_process() {
+    let runs = runs("none");
+    let (out, mut held) = runs.start("none", 1);
+    let id = format!("process {}", held.id());
+    refuse(&mut resume(&out), &[&out.display().to_string(), "is in use by", &id, "wait for its end"]);
+    held.interrupt(libc::SIGINT);
+    held.end();
+    assert!(!out.join("run.lock").exists());
+    runs.check(&out);
+}
+
+/// As when the disk was full before the first checkpoint.
+#[test]
+fn what_a_failed_start_has_left_does_not_block_the_next() {
+    let runs = runs("none");
+    let out = runs.folder.path().join("failed");
+    fs::create_dir_all(out.join("checkpoints")).expect("a folder");
+    fs::write(out.join("config.toml"), "uavs = 7\n").expect("written");
+    fs::write(out.join("metrics.jsonl"), "").expect("written");
+    fs::write(out.join("run.lock"), "123").expect("written");
+    succeed(train(&out, &SETTINGS).args(["--graph", "none", "--quiet"]));
+    assert_same(&results(&runs.whole), &results(&out), "in the folder of a failed start");
+    // A folder in which something was trained is not one.
+    for checkpoint in checkpoints(&out) {
+        fs::remove_file(checkpoint).expect("removed");
+    }
+    refuse(&mut train(&out, &SETTINGS), &["already holds a run"]);
+}

@@ -2,10 +2,10 @@
 
 use super::hold::Hold;
 use super::interrupt::Stop;
-use super::output::say_out;
+use super::output::{say_out, tell};
 use crate::eval::{EvalConfig, EvalPolicy, EvalRow, EvaluationFile, ReferencePolicy, table};
 use crate::export::{ExportedActor, export_actor};
-use crate::run::{Checkpoint, RunFolder, report};
+use crate::run::{Checkpoint, RunFolder, RunLock, report};
 use crate::settings::{Settings, word_of};
 use crate::train::{RoundMetrics, Trainer, Workers};
 use covey_report::atomic;
@@ -24,6 +24,8 @@ pub struct Session {
     progress: Progress,
     quiet: bool,
     hold: Hold,
+    /// No other process may write there.
+    _lock: RunLock,
 }
 
 fn now() -> f64 {
@@ -32,7 +34,7 @@ fn now() -> f64 {
 
 impl Session {
     /// Opens the files of a new run or, `resumed`, of one that goes on.
-    pub fn open(folder: RunFolder, trainer: Trainer, resumed: bool, mode: Mode) -> Result<Self> {
+    pub fn open(folder: RunFolder, lock: RunLock, trainer: Trainer, resumed: bool, mode: Mode) -> Result<Self> {
         let hold = Hold::from_environment()?;
         let rounds = u64::from(trainer.rounds());
         let metrics = if resumed {
@@ -51,7 +53,12 @@ impl Session {
         }
         let total = u64::from(s.rounds()) * u64::from(s.num_envs);
         let progress = Progress::new(mode, total).resumed_at(done);
-        Ok(Self { folder, trainer, metrics, events, progress, quiet: mode == Mode::Quiet, hold })
+        Ok(Self { folder, trainer, metrics, events, progress, quiet: mode == Mode::Quiet, hold, _lock: lock })
+    }
+
+    /// Locks a run folder against other processes; do so before its checkpoint is read.
+    pub fn lock(folder: &RunFolder) -> Result<RunLock> {
+        RunLock::take(folder.path(), |warning| tell!("{warning}")).into_diagnostic()
     }
 
     /// Its folder.

@@ -24,21 +24,24 @@ pub fn run(args: &Train) -> Result<()> {
     }
     let stop = Stop::on_signals()?;
     stop.at_once("stopped before training; nothing was begun".into());
-    let (folder, trainer) = if let Some(dir) = &args.resume {
+    let (folder, lock, trainer) = if let Some(dir) = &args.resume {
         let folder = RunFolder::open(dir).into_diagnostic()?;
+        let lock = Session::lock(&folder)?;
         let (settings, checkpoint) = folder.load().into_diagnostic()?;
         let trainer = Trainer::resume(settings, checkpoint.state).into_diagnostic()?;
-        (folder, put(trainer, args.device)?)
+        (folder, lock, put(trainer, args.device)?)
     } else {
         let settings = settings(args)?;
         let trainer = put(Trainer::new(settings.clone()).into_diagnostic()?, args.device)?;
-        (RunFolder::create(args.out.as_deref(), &settings).into_diagnostic()?, trainer)
+        let folder = RunFolder::create(args.out.as_deref(), &settings).into_diagnostic()?;
+        let lock = Session::lock(&folder)?;
+        (folder, lock, trainer)
     };
     let shards = trainer.settings().shards as usize;
     let threads = args.threads.unwrap_or_else(|| cores().min(shards));
     use_threads(Some(threads));
     let workers = Workers::new(threads.min(shards)).into_diagnostic()?;
-    let mut session = Session::open(folder, trainer, args.resume.is_some(), Mode::detect(args.quiet))?;
+    let mut session = Session::open(folder, lock, trainer, args.resume.is_some(), Mode::detect(args.quiet))?;
     let how = format!("host-trainer train --resume {}", session.folder().path().display());
     let trained = {
         let _saving = stop.saving();
@@ -46,6 +49,8 @@ pub fn run(args: &Train) -> Result<()> {
     };
     if !trained {
         session.say(&format!("stopped at {} episodes; go on with: {how}", session.episodes()));
+        // Takes off the lock.
+        drop(session);
         std::process::exit(INTERRUPTED);
     }
     stop.at_once(format!("stopped while quantising and measuring; training is done and saved; go on with: {how}"));

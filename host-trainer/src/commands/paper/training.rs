@@ -73,26 +73,33 @@ fn train_run(path: &Path, settings: &Settings, workers: &Workers, stop: &Stop, w
         return Ok(false);
     }
     let loaded = match RunFolder::open(path) {
-        Ok(folder) => match folder.load() {
-            Ok((_, checkpoint)) => Some((folder, checkpoint)),
-            // Cut off before its first checkpoint: nothing is lost.
-            Err(FolderError::Checkpoint(CheckpointError::None(_))) => {
-                std::fs::remove_dir_all(path).map_err(|e| miette!("cannot remove {}: {e}", path.display()))?;
-                None
+        Ok(folder) => {
+            let lock = Session::lock(&folder)?;
+            match folder.load() {
+                Ok((_, checkpoint)) => Some((folder, lock, checkpoint)),
+                // Cut off before its first checkpoint: nothing is lost.
+                Err(FolderError::Checkpoint(CheckpointError::None(_))) => {
+                    std::fs::remove_dir_all(path).map_err(|e| miette!("cannot remove {}: {e}", path.display()))?;
+                    None
+                }
+                Err(e) => return Err(e).into_diagnostic(),
             }
-            Err(e) => return Err(e).into_diagnostic(),
-        },
+        }
         Err(_) => None,
     };
     let resumed = loaded.is_some();
-    let (folder, trainer) = match loaded {
-        Some((folder, checkpoint)) => (folder, Trainer::resume(settings.clone(), checkpoint.state).into_diagnostic()?),
+    let (folder, lock, trainer) = match loaded {
+        Some((folder, lock, checkpoint)) => {
+            (folder, lock, Trainer::resume(settings.clone(), checkpoint.state).into_diagnostic()?)
+        }
         None => {
             let trainer = Trainer::new(settings.clone()).into_diagnostic()?;
-            (RunFolder::create(Some(path), settings).into_diagnostic()?, trainer)
+            let folder = RunFolder::create(Some(path), settings).into_diagnostic()?;
+            let lock = Session::lock(&folder)?;
+            (folder, lock, trainer)
         }
     };
-    let mut session = Session::open(folder, trainer, resumed, Mode::Quiet)?;
+    let mut session = Session::open(folder, lock, trainer, resumed, Mode::Quiet)?;
     let mut before = session.episodes();
     let done = {
         let _saving = stop.saving();
