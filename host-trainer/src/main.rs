@@ -10,12 +10,12 @@ fn main() -> miette::Result<()> {
     // where a hook is set already.
     let _ = miette::set_hook(Box::new(|_| Box::new(miette::MietteHandlerOpts::new().wrap_lines(false).build())));
     let (arguments, renamed) = with_current_names(std::env::args_os());
-    renamed.iter().for_each(|flag| eprintln!("{flag}"));
+    renamed.iter().for_each(|flag| commands::write_err(format_args!("{flag}")));
     commands::run(&Cli::parse_from(arguments).command)
 }
 
 /// Large tensors come and go thousands of times a second: glibc must not hand their
-/// memory back each time. And a closed pipe ends the program as it ends others.
+/// memory back each time.
 fn tune_process() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     // SAFETY: called before any thread starts, with documented parameters.
@@ -23,10 +23,5 @@ fn tune_process() {
         libc::mallopt(libc::M_MMAP_THRESHOLD, 1 << 30);
         libc::mallopt(libc::M_TRIM_THRESHOLD, i32::MAX);
         libc::mallopt(libc::M_TOP_PAD, 64 << 20);
-    }
-    #[cfg(unix)]
-    // SAFETY: restores the default action of a signal, before any thread starts.
-    unsafe {
-        libc::signal(libc::SIGPIPE, libc::SIG_DFL);
     }
 }

@@ -2,12 +2,13 @@
 
 mod common;
 
+#[cfg(target_os = "linux")]
+use common::held::held_at;
 use common::{copy, everything, files, refuse, succeed, trainer};
 use host_trainer::experiments::paper::{CLAIMS, Results, page};
 use std::fs;
-use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 /// `--quick`, smaller still.
 fn quick(out: &Path, flags: &[&str]) -> Command {
@@ -118,29 +119,16 @@ fn what_was_interrupted_goes_on_to_the_same_report() {
 fn ctrl_c_saves_and_the_same_command_goes_on() {
     let folder = tempfile::tempdir().expect("a folder");
     let (whole, cut) = (folder.path().join("whole"), folder.path().join("cut"));
-    let flags = ["--graphs", "none,gcn", "--seeds", "3", "--episodes", "400", "--set", "checkpoint_every=1000"];
+    let flags = ["--graphs", "none,gcn", "--seeds", "3", "--episodes", "40", "--set", "checkpoint_every=1000"];
     succeed(&mut quick(&whole, &flags));
-    // Nobody reads the progress beyond some lines, so the runs cannot end before the signal.
-    let mut child = quick(&cut, &flags).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
-    let progress = child.stderr.take().expect("piped");
-    // SAFETY: sets the capacity of a pipe that is open.
-    let room = unsafe { libc::fcntl(std::os::fd::AsRawFd::as_raw_fd(&progress), libc::F_SETPIPE_SZ, 4096) };
-    assert!(room > 0, "the pipe cannot be narrowed");
-    let mut progress = BufReader::with_capacity(64, progress);
-    let mut line = String::new();
-    while !line.contains(" 8/800 episodes") {
-        line.clear();
-        assert!(progress.read_line(&mut line).expect("text") > 0, "it ended");
-    }
-    // SAFETY: the child has not been waited for, so its id is its own.
-    assert_eq!(unsafe { libc::kill(child.id() as libc::pid_t, libc::SIGINT) }, 0);
-    let mut rest = String::new();
-    progress.read_to_string(&mut rest).expect("text");
-    assert_eq!(child.wait().expect("it ends").code(), Some(130), "{rest}");
-    assert!(rest.contains("the same command goes on"), "{rest}");
+    let mut held = held_at("round:2", quick(&cut, &flags).args(["--jobs", "1"]));
+    held.interrupt(libc::SIGINT);
+    let done = held.end();
+    assert_eq!(done.code, Some(130), "{}", done.err);
+    assert!(done.err.contains("the same command goes on"), "{}", done.err);
     assert!(!cut.join("report.md").exists());
     let said = succeed(&mut quick(&cut, &flags)).err;
-    assert!(said.contains("2 of 2 runs to train") && !said.contains(" 4/800"), "{said}");
+    assert!(said.contains("2 of 2 runs to train") && !said.contains(" 4/80 "), "{said}");
     assert_eq!(outcome(&cut), outcome(&whole));
 }
 

@@ -3,58 +3,16 @@
 
 mod common;
 
-use common::{Done, assert_same, checkpoints, copy, episodes_of, finish, refuse, results, resume, succeed, train};
+use common::held::{Held, held_at};
+use common::{assert_same, checkpoints, copy, episodes_of, finish, refuse, results, resume, succeed, train};
 use std::fs;
-use std::io::{BufRead, BufReader, Read, Write};
-use std::os::fd::AsRawFd;
+use std::io::Write;
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStderr, Command, Stdio};
 use tempfile::TempDir;
 
-/// 100 rounds: a line of progress each, twice what the narrowed pipe holds. So a run whose
-/// output nobody reads stops in the middle and waits, however fast the machine is.
-const SETTINGS: [&str; 2] = ["episodes=400", "checkpoint_every=8"];
-const EPISODES: u64 = 400;
-
-/// A run that works while its progress is read.
-struct Running {
-    child: Child,
-    progress: BufReader<ChildStderr>,
-}
-
-impl Running {
-    fn start(command: &mut Command) -> Self {
-        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
-        let progress = child.stderr.take().expect("piped");
-        // SAFETY: sets the capacity of a pipe that is open.
-        let room = unsafe { libc::fcntl(progress.as_raw_fd(), libc::F_SETPIPE_SZ, 4096) };
-        assert!(room > 0, "the pipe cannot be narrowed");
-        Self { child, progress: BufReader::with_capacity(256, progress) }
-    }
-
-    /// Reads progress until `episodes` are done; their row of metrics is then written.
-    fn wait_for(&mut self, episodes: u64) {
-        let mut line = String::new();
-        while !line.contains(&format!(" {episodes}/")) {
-            line.clear();
-            assert!(self.progress.read_line(&mut line).expect("text") > 0, "ended before {episodes} episodes");
-        }
-    }
-
-    fn signal(&self, signal: i32) {
-        // SAFETY: the child has not been waited for, so its id is its own.
-        let sent = unsafe { libc::kill(self.child.id() as libc::pid_t, signal) };
-        assert_eq!(sent, 0);
-    }
-
-    fn end(mut self) -> Done {
-        let mut err = String::new();
-        self.progress.read_to_string(&mut err).expect("text");
-        let done = self.child.wait_with_output().expect("it ends");
-        Done { err: common::unwrapped(&err), ..done.into() }
-    }
-}
+/// 10 rounds of 4 episodes.
+const SETTINGS: [&str; 2] = ["episodes=40", "checkpoint_every=8"];
 
 /// A run never interrupted, and a folder for others.
 struct Runs {
@@ -70,10 +28,12 @@ fn runs(graph: &str) -> Runs {
 }
 
 impl Runs {
-    fn start(&self, graph: &str) -> (PathBuf, Running) {
+    /// A run that is held at the end of this round.
+    fn start(&self, graph: &str, round: u32) -> (PathBuf, Held) {
         let out = self.folder.path().join("interrupted");
-        let running = Running::start(train(&out, &SETTINGS).args(["--graph", graph, "--threads", "1"]));
-        (out, running)
+        let mut command = train(&out, &SETTINGS);
+        let held = held_at(&format!("round:{round}"), command.args(["--graph", graph, "--threads", "1"]));
+        (out, held)
     }
 
     /// Goes on with copies of `run` on one and on two threads.
@@ -89,22 +49,20 @@ impl Runs {
 
 fn interrupted_by(signal: i32, graph: &str) {
     let runs = runs(graph);
-    let (out, mut running) = runs.start(graph);
-    running.wait_for(4);
-    running.signal(signal);
-    let done = running.end();
+    let (out, mut held) = runs.start(graph, 1);
+    held.interrupt(signal);
+    let done = held.end();
     assert_eq!(done.code, Some(130), "{}", done.err);
     let how = format!("host-trainer train --resume {}", out.display());
     assert!(done.err.contains(&how), "no “{how}” in: {}", done.err);
-    let saved = episodes_of(&checkpoints(&out).pop().expect("a checkpoint"));
-    assert!((4..EPISODES).contains(&saved), "stopped at {saved} episodes");
+    assert_eq!(episodes_of(&checkpoints(&out).pop().expect("a checkpoint")), 4);
     assert!(!out.join("actor.postcard").exists(), "an unfinished run has no actor");
-    // Interrupted again after it went on (or at its end, if that comes first).
-    let mut running = Running::start(resume(&out).args(["--threads", "2"]));
-    running.wait_for(saved + 4);
-    running.signal(signal);
-    let again = running.end();
-    assert!(matches!(again.code, Some(130 | 0)), "{:?}: {}", again.code, again.err);
+    // Interrupted again after it went on.
+    let mut held = held_at("round:3", resume(&out).args(["--threads", "2"]));
+    held.interrupt(signal);
+    let again = held.end();
+    assert_eq!(again.code, Some(130), "{}", again.err);
+    assert_eq!(episodes_of(&checkpoints(&out).pop().expect("a checkpoint")), 12);
     runs.check(&out);
 }
 
@@ -137,10 +95,10 @@ fn a_run_without_a_terminal_goes_on_when_one_is_lost() {
             Ok(())
         });
     }
-    let mut running = Running::start(&mut command);
-    running.wait_for(4);
-    running.signal(libc::SIGHUP);
-    let done = running.end();
+    let held = held_at("round:1", &mut command);
+    held.signal(libc::SIGHUP);
+    held.go_on();
+    let done = held.end();
     assert_eq!(done.code, Some(0), "{}", done.err);
     assert_same(&results(&runs.whole), &results(&out), "after a signal that is ignored");
 }
@@ -148,12 +106,10 @@ fn a_run_without_a_terminal_goes_on_when_one_is_lost() {
 #[test]
 fn a_killed_run_goes_on_from_its_last_checkpoint() {
     let runs = runs("gcn");
-    let (out, mut running) = runs.start("gcn");
-    running.wait_for(28);
-    running.signal(libc::SIGKILL);
-    assert_eq!(running.end().code, None);
-    let saved = episodes_of(&checkpoints(&out).pop().expect("a checkpoint"));
-    assert!((24..EPISODES).contains(&saved), "saved at {saved} episodes");
+    let (out, held) = runs.start("gcn", 7);
+    held.signal(libc::SIGKILL);
+    assert_eq!(held.end().code, None);
+    assert_eq!(episodes_of(&checkpoints(&out).pop().expect("a checkpoint")), 24);
     // What else a kill can leave: half a row, a temporary file, half an event.
     let append = |path: &Path, bytes: &[u8]| {
         let mut file = fs::OpenOptions::new().append(true).open(path).expect("a file of the run");
@@ -192,10 +148,9 @@ fn resuming_a_whole_run_changes_nothing() {
 #[test]
 fn a_run_that_lost_rows_of_its_metrics_is_not_resumed() {
     let runs = runs("gcn");
-    let (out, mut running) = runs.start("gcn");
-    running.wait_for(28);
-    running.signal(libc::SIGKILL);
-    running.end();
+    let (out, held) = runs.start("gcn", 7);
+    held.signal(libc::SIGKILL);
+    held.end();
     let metrics = out.join("metrics.jsonl");
     let kept = fs::read_to_string(&metrics).expect("metrics");
     let first = kept.lines().next().expect("a row");
@@ -207,4 +162,62 @@ fn a_run_that_lost_rows_of_its_metrics_is_not_resumed() {
     fs::write(&metrics, kept).expect("written");
     assert_eq!(finish(resume(&out).arg("--quiet")).code, Some(0));
     assert_same(&results(&runs.whole), &results(&out), "after the file was put back");
+}
+
+#[test]
+fn a_second_signal_ends_the_run_at_once() {
+    let runs = runs("none");
+    let (out, mut held) = runs.start("none", 1);
+    held.signal(libc::SIGINT);
+    held.wait_for("press Ctrl-C again");
+    // Still held: it cannot have come to the end of a round.
+    held.signal(libc::SIGTERM);
+    let done = held.end();
+    assert_eq!(done.code, Some(130), "{}", done.err);
+    assert_eq!(episodes_of(&checkpoints(&out).pop().expect("a checkpoint")), 0);
+    runs.check(&out);
+}
+
+#[test]
+fn a_signal_while_it_measures_ends_the_run_and_nothing_is_lost() {
+    let runs = runs("none");
+    let out = runs.folder.path().join("interrupted");
+    let held = held_at("measuring", train(&out, &SETTINGS).args(["--graph", "none", "--threads", "1"]));
+    held.signal(libc::SIGTERM);
+    let done = held.end();
+    assert_eq!(done.code, Some(130), "{}", done.err);
+    let how = format!("go on with: host-trainer train --resume {}", out.display());
+    assert!(done.err.contains("while quantising and measuring") && done.err.contains(&how), "{}", done.err);
+    assert!(!out.join("evaluation.json").exists());
+    runs.check(&out);
+}
+
+#[test]
+fn a_run_folder_has_one_process() {
+    let runs = runs("none");
+    let (out, mut held) = runs.start("none", 1);
+    let id = format!("process {}", held.id());
+    refuse(&mut resume(&out), &[&out.display().to_string(), "is in use by", &id, "wait for its end"]);
+    held.interrupt(libc::SIGINT);
+    held.end();
+    assert!(!out.join("run.lock").exists());
+    runs.check(&out);
+}
+
+/// As when the disk was full before the first checkpoint.
+#[test]
+fn what_a_failed_start_has_left_does_not_block_the_next() {
+    let runs = runs("none");
+    let out = runs.folder.path().join("failed");
+    fs::create_dir_all(out.join("checkpoints")).expect("a folder");
+    fs::write(out.join("config.toml"), "uavs = 7\n").expect("written");
+    fs::write(out.join("metrics.jsonl"), "").expect("written");
+    fs::write(out.join("run.lock"), "123").expect("written");
+    succeed(train(&out, &SETTINGS).args(["--graph", "none", "--quiet"]));
+    assert_same(&results(&runs.whole), &results(&out), "in the folder of a failed start");
+    // A folder in which something was trained is not one.
+    for checkpoint in checkpoints(&out) {
+        fs::remove_file(checkpoint).expect("removed");
+    }
+    refuse(&mut train(&out, &SETTINGS), &["already holds a run"]);
 }

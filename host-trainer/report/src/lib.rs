@@ -6,4 +6,5 @@ mod io_advice;
 pub mod metrics;
 pub mod progress;
 pub mod report;
+mod sync;
 pub mod tensorboard;

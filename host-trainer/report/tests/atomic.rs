@@ -135,6 +135,19 @@ fn a_folder_that_cannot_be_synced_is_told_apart() {
     assert_eq!(fs::read(&path).unwrap(), b"new");
 }
 
+/// As shares do it, of which EINVAL and ENOTSUP are known.
+#[test]
+fn a_file_system_that_refuses_to_sync_is_lived_with() {
+    for operation in ["sync", "sync_folder"] {
+        for kind in [io::ErrorKind::InvalidInput, io::ErrorKind::Unsupported] {
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("policy");
+            write_on(&On(&FaultyDisk::failing(operation, kind)), &path, b"new").unwrap();
+            assert_eq!((fs::read(&path).unwrap(), names(folder.path())), (b"new".to_vec(), vec!["policy".into()]));
+        }
+    }
+}
+
 #[test]
 fn a_missing_folder_says_how_to_make_it() {
     let folder = tempfile::tempdir().unwrap();

@@ -2,6 +2,7 @@
 
 use super::{bench, eval, export, inspect, paper, radio, report, settings, train};
 use crate::cli::{Command, Experiment};
+use crate::commands::output::print_out;
 use miette::Result;
 
 /// Runs a command to its end.
@@ -19,7 +20,7 @@ pub fn run(command: &Command) -> Result<()> {
         Command::Report(args) => report::run(args),
         Command::Bench(args) => bench::run(args),
         Command::Settings => {
-            print!("{}", settings::page());
+            print_out!("{}", settings::page())?;
             Ok(())
         }
     }

@@ -4,6 +4,7 @@ use super::actor::{load, read, read_actor};
 use super::pil::Emulated;
 use super::threads::use_threads;
 use crate::cli::Eval;
+use crate::commands::output::{print_out, say_out, tell};
 use crate::eval::{
     AnyActor, EvalConfig, EvalPolicy, EvalRow, PilFigures, argmax_agreement, evaluate_with_radio, radio_table, table,
     with_actor,
@@ -63,16 +64,16 @@ pub fn run(args: &Eval) -> Result<()> {
         }
     }
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&rows).into_diagnostic()?);
+        say_out!("{}", serde_json::to_string_pretty(&rows).into_diagnostic()?)?;
     } else {
-        print!("{}", table(&rows));
+        print_out!("{}", table(&rows))?;
         let radios: Vec<_> = rows.iter().filter_map(|row| row.radio.clone()).collect();
         if !radios.is_empty() {
-            print!("\n{}", radio_table(&radios));
+            print_out!("\n{}", radio_table(&radios))?;
         }
         for (row, board) in rows.iter().filter_map(|row| Some((row, row.board.as_ref()?))) {
             let PilFigures { actor, decisions, differences } = board;
-            println!("{actor}, {} UAVs: {decisions} decisions, {differences} differences", row.uavs);
+            say_out!("{actor}, {} UAVs: {decisions} decisions, {differences} differences", row.uavs)?;
         }
     }
     difference.map_or(Ok(()), |first| {
@@ -116,7 +117,7 @@ fn evaluate_one(
     if let Some(float) = float {
         rows.push(EvalPolicy::Float(float).evaluate(&format!("{name} float"), config).into_diagnostic()?);
         let agreement = with_actor!(actor, actor => argmax_agreement(actor, float, config)).into_diagnostic()?;
-        eprintln!("argmax agreement {:.2} % over {} decisions", 100.0 * agreement.share(), agreement.decisions);
+        tell!("argmax agreement {:.2} % over {} decisions", 100.0 * agreement.share(), agreement.decisions);
     }
     Ok(rows)
 }

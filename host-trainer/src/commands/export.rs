@@ -1,6 +1,7 @@
 //! `export`: from a run's newest checkpoint to an actor file.
 
 use crate::cli::Export;
+use crate::commands::output::say_out;
 use crate::export::export_actor;
 use crate::run::RunFolder;
 use covey_report::atomic;
@@ -19,14 +20,14 @@ pub fn run(args: &Export) -> Result<()> {
     }
     let done = export_actor(&settings, &checkpoint.state).into_diagnostic()?;
     atomic::write(&args.out, &done.file).into_diagnostic()?;
-    println!(
+    say_out!(
         "wrote {} ({} bytes): coverage {:.4} as int8, {:.4} as float, argmax agreement {:.2} %",
         args.out.display(),
         done.file.len(),
         done.int8.coverage,
         done.float.coverage,
         100.0 * done.agreement.share()
-    );
-    println!("next: host-trainer inspect {}", args.out.display());
+    )?;
+    say_out!("next: host-trainer inspect {}", args.out.display())?;
     Ok(())
 }

@@ -1,30 +1,102 @@
 //! Ctrl-C, SIGTERM and SIGHUP.
 
+use super::output::tell;
 use miette::{IntoDiagnostic, Result};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Exit status of a run that a signal stopped.
 pub const INTERRUPTED: i32 = 130;
 
-/// From now on the first Ctrl-C, SIGTERM or SIGHUP sets the flag, which asks to stop at the end of
-/// the round, and the second ends the program at once. Call it once.
-///
-/// # Errors
-/// When the system takes no handler.
-pub fn stop_on_signals() -> Result<Arc<AtomicBool>> {
-    let hangup = Hangup::read();
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stop);
-    ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::SeqCst) {
+/// Whether a signal has asked to stop, and what has to be saved before. The first signal is answered with words
+/// that say what is being stopped; while nothing has to be saved it ends the program, and so does the second at
+/// any time. Every file is written whole or not at all, so that ending at once spoils none.
+#[derive(Debug, Default)]
+pub struct Stop(Mutex<State>);
+
+#[derive(Debug, Default)]
+struct State {
+    signalled: bool,
+    failed: bool,
+    /// Runs in training, which save before the program ends.
+    saving: usize,
+    /// What is said when the program ends at once.
+    parting: String,
+}
+
+/// As long as it lives, a signal waits for its owner to save.
+pub struct Saving<'s>(&'s Stop);
+
+impl Stop {
+    /// From now on this answers the signals. Call it once.
+    ///
+    /// # Errors
+    /// When the system takes no handler.
+    pub fn on_signals() -> Result<Arc<Self>> {
+        let hangup = Hangup::read();
+        let stop = Arc::new(Self::default());
+        let handler = Arc::clone(&stop);
+        ctrlc::set_handler(move || handler.signalled()).into_diagnostic()?;
+        hangup.keep_if_ignored();
+        Ok(stop)
+    }
+
+    /// Whether a signal has come, or another run has failed.
+    pub fn asked(&self) -> bool {
+        let state = self.state();
+        state.signalled || state.failed
+    }
+
+    /// Asks the other runs to stop, since one has failed.
+    pub fn fail(&self) {
+        self.state().failed = true;
+    }
+
+    /// What is said from now on when a signal ends the program at once.
+    pub fn at_once(&self, parting: String) {
+        self.state().parting = parting;
+    }
+
+    /// Until the guard is dropped a signal waits.
+    pub fn saving(&self) -> Saving<'_> {
+        self.state().saving += 1;
+        Saving(self)
+    }
+
+    /// Ends the program when a signal has come and nothing has to be saved any more.
+    pub fn end_if_signalled(&self) {
+        let state = self.state();
+        if state.signalled && state.saving == 0 {
+            end(&state.parting);
+        }
+    }
+
+    fn signalled(&self) {
+        let mut state = self.state();
+        if state.signalled {
             std::process::exit(INTERRUPTED);
         }
-        eprintln!("\nstopping at the end of this round; press Ctrl-C again to stop at once");
-    })
-    .into_diagnostic()?;
-    hangup.keep_if_ignored();
-    Ok(stop)
+        state.signalled = true;
+        if state.saving == 0 {
+            end(&state.parting);
+        }
+        tell!("\nstopping training at the end of this round, which saves it; press Ctrl-C again to stop at once");
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        // Nothing in it can be half changed.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+fn end(parting: &str) -> ! {
+    tell!("\n{parting}");
+    std::process::exit(INTERRUPTED);
+}
+
+impl Drop for Saving<'_> {
+    fn drop(&mut self) {
+        self.0.state().saving -= 1;
+    }
 }
 
 /// What SIGHUP does. `nohup` has it ignored, and so it must stay, but `ctrlc` handles all three

@@ -6,8 +6,10 @@ mod device;
 mod dispatch;
 mod eval;
 mod export;
+mod hold;
 mod inspect;
 mod interrupt;
+mod output;
 mod paper;
 mod pil;
 mod radio;
@@ -18,3 +20,4 @@ mod threads;
 mod train;
 
 pub use dispatch::run;
+pub use output::write_err;

@@ -1,6 +1,7 @@
 //! `eval --actor qemu-…`: the flight program in QEMU decides.
 
 use crate::cli::Processor;
+use crate::commands::output::tell;
 use crate::eval::pil::{Difference, PilEpisode, fly_episode};
 use crate::eval::{EvalConfig, EvalRow, PilFigures};
 use crate::settings::word_of;
@@ -146,9 +147,10 @@ impl Progress {
         *differences += flown.differences;
         if *worlds * 10 / self.worlds > (*worlds - 1) * 10 / self.worlds {
             let rate = *decisions as f64 / self.start.elapsed().as_secs_f64();
-            eprintln!(
+            tell!(
                 "{}: {worlds} of {} worlds, {decisions} decisions ({rate:.0} a second), {differences} differences",
-                self.name, self.worlds
+                self.name,
+                self.worlds
             );
         }
     }

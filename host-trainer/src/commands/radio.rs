@@ -3,6 +3,7 @@
 use super::actor::{load, read_actor};
 use super::threads::use_threads;
 use crate::cli::ExperimentRadio;
+use crate::commands::output::{say_out, tell};
 use crate::eval::{EvalConfig, EvalRow, with_actor};
 use crate::experiments::radio::study;
 use crate::settings::word_of;
@@ -33,17 +34,17 @@ pub fn run(args: &ExperimentRadio) -> Result<()> {
     let start = Instant::now();
     let tell = |row: &EvalRow, k, all| {
         let radio = row.radio.as_ref().map_or("", |r| &r.radio);
-        eprintln!("{k} of {all}: {radio}: coverage {:.4} ±{:.4}", row.coverage, row.coverage_se);
+        tell!("{k} of {all}: {radio}: coverage {:.4} ±{:.4}", row.coverage, row.coverage_se);
     };
     let study = with_actor!(actor, actor => study(actor, &config, tell)).into_diagnostic()?;
     for (file, text) in [(PAGE, study.page(PICTURE, &command(args))), (PICTURE, study.picture().into_diagnostic()?)] {
         let path = args.out.join(file);
         atomic::write(&path, text.as_bytes()).into_diagnostic()?;
-        eprintln!("wrote {}", path.display());
+        tell!("wrote {}", path.display());
     }
-    eprintln!("{:.0} s on {} threads", start.elapsed().as_secs_f64(), rayon::current_num_threads());
+    tell!("{:.0} s on {} threads", start.elapsed().as_secs_f64(), rayon::current_num_threads());
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&study.rows()).into_diagnostic()?);
+        say_out!("{}", serde_json::to_string_pretty(&study.rows()).into_diagnostic()?)?;
     }
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! `report`: pages from run folders.
 
 use crate::cli::Report;
+use crate::commands::output::say_out;
 use crate::run::{RunFolder, report};
 use miette::{IntoDiagnostic, Result};
 use std::path::PathBuf;
@@ -27,6 +28,6 @@ pub fn run(args: &Report) -> Result<()> {
             path
         }
     };
-    println!("wrote {}", path.display());
+    say_out!("wrote {}", path.display())?;
     Ok(())
 }

@@ -1,8 +1,11 @@
 //! A run in training: rounds, metrics, checkpoints, and at the end the actor file and the report.
 
+use super::hold::Hold;
+use super::interrupt::Stop;
+use super::output::{say_out, tell};
 use crate::eval::{EvalConfig, EvalPolicy, EvalRow, EvaluationFile, ReferencePolicy, table};
 use crate::export::{ExportedActor, export_actor};
-use crate::run::{Checkpoint, RunFolder, report};
+use crate::run::{Checkpoint, RunFolder, RunLock, report};
 use crate::settings::{Settings, word_of};
 use crate::train::{RoundMetrics, Trainer, Workers};
 use covey_report::atomic;
@@ -10,7 +13,6 @@ use covey_report::metrics::MetricsLog;
 use covey_report::progress::{Mode, Progress, Status};
 use covey_report::tensorboard::EventWriter;
 use miette::{IntoDiagnostic, Result};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Instant, SystemTime};
 
 /// A run with its files open, between [`Session::open`] and [`Session::finish`].
@@ -21,6 +23,9 @@ pub struct Session {
     events: EventWriter,
     progress: Progress,
     quiet: bool,
+    hold: Hold,
+    /// No other process may write there.
+    _lock: RunLock,
 }
 
 fn now() -> f64 {
@@ -29,7 +34,8 @@ fn now() -> f64 {
 
 impl Session {
     /// Opens the files of a new run or, `resumed`, of one that goes on.
-    pub fn open(folder: RunFolder, trainer: Trainer, resumed: bool, mode: Mode) -> Result<Self> {
+    pub fn open(folder: RunFolder, lock: RunLock, trainer: Trainer, resumed: bool, mode: Mode) -> Result<Self> {
+        let hold = Hold::from_environment()?;
         let rounds = u64::from(trainer.rounds());
         let metrics = if resumed {
             atomic::remove_leftovers(folder.path()).into_diagnostic()?;
@@ -47,7 +53,12 @@ impl Session {
         }
         let total = u64::from(s.rounds()) * u64::from(s.num_envs);
         let progress = Progress::new(mode, total).resumed_at(done);
-        Ok(Self { folder, trainer, metrics, events, progress, quiet: mode == Mode::Quiet })
+        Ok(Self { folder, trainer, metrics, events, progress, quiet: mode == Mode::Quiet, hold, _lock: lock })
+    }
+
+    /// Locks a run folder against other processes; do so before its checkpoint is read.
+    pub fn lock(folder: &RunFolder) -> Result<RunLock> {
+        RunLock::take(folder.path(), |warning| tell!("{warning}")).into_diagnostic()
     }
 
     /// Its folder.
@@ -68,12 +79,7 @@ impl Session {
     }
 
     /// Trains until all is done (true) or `stop` is set (false); `watch` sees every round.
-    pub fn train(
-        &mut self,
-        workers: &Workers,
-        stop: &AtomicBool,
-        mut watch: impl FnMut(&RoundMetrics),
-    ) -> Result<bool> {
+    pub fn train(&mut self, workers: &Workers, stop: &Stop, mut watch: impl FnMut(&RoundMetrics)) -> Result<bool> {
         let s = self.trainer.settings().clone();
         self.say(&format!(
             "training {} for {} episodes in {} ({}, {} threads)",
@@ -88,7 +94,7 @@ impl Session {
         }
         let (start, before) = (Instant::now(), s.agent_steps(self.trainer.rounds()));
         let mut saved = self.episodes();
-        while !self.trainer.done() && !stop.load(Ordering::SeqCst) {
+        while !self.trainer.done() && !stop.asked() {
             let row = self.trainer.round(workers).into_diagnostic()?;
             self.record(&row)?;
             let agent_steps = row.agent_steps - before;
@@ -100,6 +106,7 @@ impl Session {
                 reward: Some(row.reward),
             });
             watch(&row);
+            self.hold.at_round(self.trainer.rounds());
             if row.episodes - saved >= u64::from(s.checkpoint_every) {
                 self.checkpoint()?;
                 saved = row.episodes;
@@ -129,6 +136,7 @@ impl Session {
 
     /// Quantises, measures against the baselines, writes actor file and report.
     pub fn finish(mut self) -> Result<()> {
+        self.hold.at_measuring();
         let s = self.trainer.settings().clone();
         self.say(&format!("quantising, and measuring on {} held-out worlds", s.eval_worlds));
         let done = export_actor(&s, &self.trainer.state()).into_diagnostic()?;
@@ -143,17 +151,17 @@ impl Session {
         atomic::write(self.folder.evaluation(), json.as_bytes()).into_diagnostic()?;
         let page = report::write(&self.folder)?;
         if !self.quiet {
-            println!("{}", table(&rows));
-            println!(
+            say_out!("{}", table(&rows))?;
+            say_out!(
                 "int8 and float choose the same greatest logit in {:.2} % of {} decisions",
                 100.0 * done.agreement.share(),
                 done.agreement.decisions
-            );
-            println!("actor file  {} ({} bytes)", self.folder.actor().display(), done.file.len());
-            println!("report      {}", page.display());
-            println!("picture     {}", self.folder.picture().display());
-            println!("next        host-trainer inspect {}", self.folder.actor().display());
-            println!("            host-trainer eval --model {} --uavs 5,10,20", self.folder.actor().display());
+            )?;
+            say_out!("actor file  {} ({} bytes)", self.folder.actor().display(), done.file.len())?;
+            say_out!("report      {}", page.display())?;
+            say_out!("picture     {}", self.folder.picture().display())?;
+            say_out!("next        host-trainer inspect {}", self.folder.actor().display())?;
+            say_out!("            host-trainer eval --model {} --uavs 5,10,20", self.folder.actor().display())?;
         }
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! `settings`, and the settings that other commands are given.
 
+use crate::commands::output::tell;
 use crate::settings::{Renamed, Settings, keys};
 use miette::{IntoDiagnostic, Result};
 
@@ -25,5 +26,5 @@ pub fn apply(settings: &mut Settings, assignments: &[String]) -> Result<()> {
 
 /// Says on the error output which settings have another name now.
 pub fn warn(renamed: impl IntoIterator<Item = Renamed>) {
-    renamed.into_iter().for_each(|renamed| eprintln!("{renamed}"));
+    renamed.into_iter().for_each(|renamed| tell!("{renamed}"));
 }

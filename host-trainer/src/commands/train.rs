@@ -1,7 +1,7 @@
 //! `train`: the main job, from settings to actor file and report.
 
 use super::device::put;
-use super::interrupt::{INTERRUPTED, stop_on_signals};
+use super::interrupt::{INTERRUPTED, Stop};
 use super::session::Session;
 use super::settings::{apply, warn};
 use super::threads::{cores, use_threads};
@@ -22,30 +22,39 @@ pub fn run(args: &Train) -> Result<()> {
     if args.threads == Some(0) {
         return Err(miette!("--threads 0: use at least 1"));
     }
-    let stop = stop_on_signals()?;
-    let (folder, trainer) = if let Some(dir) = &args.resume {
+    let stop = Stop::on_signals()?;
+    stop.at_once("stopped before training; nothing was begun".into());
+    let (folder, lock, trainer) = if let Some(dir) = &args.resume {
         let folder = RunFolder::open(dir).into_diagnostic()?;
+        let lock = Session::lock(&folder)?;
         let (settings, checkpoint) = folder.load().into_diagnostic()?;
         let trainer = Trainer::resume(settings, checkpoint.state).into_diagnostic()?;
-        (folder, put(trainer, args.device)?)
+        (folder, lock, put(trainer, args.device)?)
     } else {
         let settings = settings(args)?;
         let trainer = put(Trainer::new(settings.clone()).into_diagnostic()?, args.device)?;
-        (RunFolder::create(args.out.as_deref(), &settings).into_diagnostic()?, trainer)
+        let folder = RunFolder::create(args.out.as_deref(), &settings).into_diagnostic()?;
+        let lock = Session::lock(&folder)?;
+        (folder, lock, trainer)
     };
     let shards = trainer.settings().shards as usize;
     let threads = args.threads.unwrap_or_else(|| cores().min(shards));
     use_threads(Some(threads));
     let workers = Workers::new(threads.min(shards)).into_diagnostic()?;
-    let mut session = Session::open(folder, trainer, args.resume.is_some(), Mode::detect(args.quiet))?;
-    if !session.train(&workers, &stop, |_| {})? {
-        session.say(&format!(
-            "stopped at {} episodes; go on with: host-trainer train --resume {}",
-            session.episodes(),
-            session.folder().path().display()
-        ));
+    let mut session = Session::open(folder, lock, trainer, args.resume.is_some(), Mode::detect(args.quiet))?;
+    let how = format!("host-trainer train --resume {}", session.folder().path().display());
+    let trained = {
+        let _saving = stop.saving();
+        session.train(&workers, &stop, |_| {})?
+    };
+    if !trained {
+        session.say(&format!("stopped at {} episodes; go on with: {how}", session.episodes()));
+        // Takes off the lock.
+        drop(session);
         std::process::exit(INTERRUPTED);
     }
+    stop.at_once(format!("stopped while quantising and measuring; training is done and saved; go on with: {how}"));
+    stop.end_if_signalled();
     session.finish()
 }
 

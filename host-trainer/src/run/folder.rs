@@ -1,6 +1,7 @@
 //! A run folder: settings, metrics, events, checkpoints, actor file, report.
 
 use super::checkpoint::{Checkpoint, CheckpointError};
+use super::lock::RunLock;
 use crate::settings::{Settings, SettingsError, word_of};
 use covey_report::atomic;
 use std::path::{Path, PathBuf};
@@ -65,7 +66,7 @@ pub enum FolderError {
 pub struct RunFolder(PathBuf);
 
 impl RunFolder {
-    /// Starts a run folder with these settings. Without `out` it is `runs/GRAPH-seedN`,
+    /// Starts a run folder with these settings; what a start that failed has left there is replaced. Without `out` it is `runs/GRAPH-seedN`,
     /// with a number behind it when that is taken.
     ///
     /// # Errors
@@ -73,12 +74,25 @@ impl RunFolder {
     pub fn create(out: Option<&Path>, settings: &Settings) -> Result<Self, FolderError> {
         let folder = Self(out.map_or_else(|| free_name(settings), Path::to_owned));
         if folder.config().exists() {
-            return Err(FolderError::Taken(folder.0));
+            if !folder.is_failed_start() {
+                return Err(FolderError::Taken(folder.0));
+            }
+            // Empty, and in the way of a new one.
+            let _ = std::fs::remove_file(folder.metrics());
         }
         let make = |path: PathBuf| std::fs::create_dir_all(&path).map_err(|source| FolderError::Make { path, source });
         make(folder.checkpoints())?;
         atomic::write(folder.config(), settings.to_toml().as_bytes())?;
         Ok(folder)
+    }
+
+    /// Whether it is what a start leaves that failed before anything was trained: no checkpoint, and no row of
+    /// metrics.
+    fn is_failed_start(&self) -> bool {
+        // Another process may be about to write its first checkpoint.
+        let Ok(_lock) = RunLock::take(&self.0, |_| {}) else { return false };
+        let no_row = std::fs::metadata(self.metrics()).map_or(true, |m| m.len() == 0);
+        no_row && matches!(Checkpoint::newest(&self.checkpoints()), Err(CheckpointError::None(_)))
     }
 
     /// An existing run folder.

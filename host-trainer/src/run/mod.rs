@@ -2,7 +2,9 @@
 
 mod checkpoint;
 mod folder;
+mod lock;
 pub(crate) mod report;
 
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use folder::{FolderError, RunFolder};
+pub use lock::{LockError, RunLock};

@@ -3,6 +3,9 @@
 // Each test file uses a part of it.
 #![allow(dead_code)]
 
+#[cfg(unix)]
+pub mod held;
+
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::fs;

@@ -2,7 +2,6 @@
 
 import json
 import os
-import select
 import signal
 import socket
 import subprocess
@@ -16,7 +15,6 @@ from simlink.config import ConfigError
 from simlink.tests.support import Controller, Flight
 
 VEHICLE = {"id": 3, "port": 14_580}
-WAIT_S = 60.0
 
 
 class Configuration(unittest.TestCase):
@@ -137,12 +135,11 @@ class ControlLines(unittest.TestCase):
 
 
 class Process(unittest.TestCase):
-    """The real thing: a child process and UDP."""
+    """The real thing: a child process and UDP. It waits for events and never by the clock: computers can be busy."""
 
     def setUp(self):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.bind(("127.0.0.1", 0))
-        self.socket.settimeout(WAIT_S)
         self.addCleanup(self.socket.close)
 
     def start(self, *arguments: str) -> subprocess.Popen:
@@ -181,7 +178,7 @@ class Process(unittest.TestCase):
         child.stdin.write('{"stop": true}\n')
         child.stdin.flush()
         stats = self.event(child, "stats")
-        self.assertEqual(child.wait(WAIT_S), 0)
+        self.assertEqual(child.wait(), 0)
         self.assertGreater(stats["vehicles"][0]["setpoints"]["accepted"], 5)
         self.assertEqual(stats["vehicles"][0]["damaged"], 0)
 
@@ -189,7 +186,7 @@ class Process(unittest.TestCase):
         child = self.start()
         child.stdin.write(self.fleet())
         child.stdin.close()
-        self.assertEqual(child.wait(WAIT_S), 0)
+        self.assertEqual(child.wait(), 0)
 
     def test_it_ends_when_nobody_reads_its_events(self):
         child = self.start()
@@ -197,7 +194,7 @@ class Process(unittest.TestCase):
         child.stdin.flush()
         child.stdout.readline()
         child.stdout.close()
-        self.assertEqual(child.wait(WAIT_S), 0)
+        self.assertEqual(child.wait(), 0)
         self.assertEqual(child.stderr.read(), "")
 
     def test_what_cannot_be_is_told_and_ends_with_2(self):
@@ -208,7 +205,7 @@ class Process(unittest.TestCase):
             (self.fleet(signing_key_file="/no/key"), "signing key"),
         ):
             child = self.start()
-            _, err = child.communicate(line, WAIT_S)
+            _, err = child.communicate(line)
             self.assertEqual(child.returncode, 2)
             self.assertRegex(err, word)
             self.assertNotIn("Traceback", err)
@@ -221,7 +218,7 @@ class Process(unittest.TestCase):
         self.assertEqual(frame[7], 0, "a heartbeat")
         self.event(child, "fault")
         child.send_signal(signal.SIGINT)
-        _, err = child.communicate(timeout=WAIT_S)
+        _, err = child.communicate()
         self.assertEqual(child.returncode, 0)
         self.assertIn(f"127.0.0.1:{port}", err)
         self.assertNotIn("Traceback", err)
@@ -245,4 +242,4 @@ class Process(unittest.TestCase):
 
     def drain(self) -> list[bytes]:
         """The next four datagrams: four seconds of the vehicle's time."""
-        return [self.socket.recv(2048) for _ in range(4) if select.select([self.socket], [], [], WAIT_S)[0]]
+        return [self.socket.recv(2048) for _ in range(4)]

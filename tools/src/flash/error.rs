@@ -37,6 +37,31 @@ pub enum FlashError {
         /// What is wrong and what to do.
         reason: String,
     },
+    /// Several probes are connected, and none was chosen.
+    #[error("several debug probes are connected; choose one by --probe and its VID:PID:SERIAL:\n{list}")]
+    ManyProbes {
+        /// What probe-rs lists.
+        list: String,
+    },
+    /// The actor file's address is no number.
+    #[error("COVEY_ACTOR_ADDRESS={0} is no address: write it as 0x08040000, or unset it")]
+    BadAddress(String),
+    /// `--host` names no computer.
+    #[error("--host {given}: {what}; write user@host, user@host:port, user@[IPv6]:port or ssh://user@host:port")]
+    BadHost {
+        /// As given.
+        given: String,
+        /// What is wrong with it.
+        what: &'static str,
+    },
+    /// A step failed after others had changed the target.
+    #[error("{cause}\n{state}")]
+    Unfinished {
+        /// What failed.
+        cause: String,
+        /// What is on the target now, and what to do.
+        state: String,
+    },
     /// probe-rs failed in another way.
     #[error(
         "`{command}` failed; is the board powered, and does nothing else (a debugger, an IDE) use its probe?\n{output}"
@@ -48,7 +73,7 @@ pub enum FlashError {
         output: String,
     },
     /// The other computer cannot be reached.
-    #[error("cannot reach {host} by ssh without a password; try `ssh {host} true`, and `ssh-copy-id {host}`\n{output}")]
+    #[error("no login by ssh without a password; try `ssh {host} true`, and `ssh-copy-id {host}`\n{output}")]
     NoHost {
         /// The computer, as user@host.
         host: String,
@@ -88,6 +113,11 @@ pub enum FlashError {
 }
 
 impl FlashError {
+    /// Says of an error what is on the target already.
+    pub fn unfinished(cause: &dyn Display, state: &str) -> Self {
+        Self::Unfinished { cause: cause.to_string(), state: state.to_owned() }
+    }
+
     /// Wraps the reason why a file is not a valid actor file.
     pub fn wrong_file(path: &Path, reason: &dyn Display) -> Self {
         Self::WrongFile { path: path.into(), reason: reason.to_string() }

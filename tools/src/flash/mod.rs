@@ -1,6 +1,7 @@
 //! `cargo xtask flash`: puts the program and an actor file on a board, or the node and the file on a computer.
 
 mod actor_file;
+mod destination;
 mod emulator;
 mod error;
 mod host;
@@ -27,7 +28,7 @@ pub struct Args {
     /// The board to flash.
     #[arg(long, value_enum)]
     board: Option<Board>,
-    /// The computer to install on, by ssh: user@host.
+    /// The computer to install on, by ssh: user@host, user@host:port, user@[IPv6]:port or ssh://….
     #[arg(long, value_name = "USER@HOST")]
     host: Option<String>,
     /// The actor file to put there.
@@ -39,6 +40,9 @@ pub struct Args {
     /// The board's serial port, to ask over the PIL protocol what it runs now: /dev/ttyACM0.
     #[arg(long, requires = "board", value_name = "DEVICE")]
     port: Option<PathBuf>,
+    /// The debug probe, where several are connected: VID:PID:SERIAL, as `probe-rs list` prints it.
+    #[arg(long, requires = "board", value_name = "PROBE")]
+    probe: Option<String>,
     /// Only print what would be done.
     #[arg(long)]
     dry_run: bool,
@@ -64,7 +68,7 @@ pub fn main(args: &Args) -> Result<()> {
     say(&format!("{}: sound, actor {:016x}", actor.path.display(), actor.content_hash));
     match (&args.board, &args.host) {
         (Some(Board::NucleoH743zi), _) => {
-            probe::Probe::new("probe-rs").flash(&actor, args.actor_only, args.dry_run)?;
+            probe::Probe::new("probe-rs", args.probe.clone()).flash(&actor, args.actor_only, args.dry_run)?;
             match &args.port {
                 Some(port) => serial::check(&actor, port, args.dry_run),
                 None => Ok(()),
@@ -72,7 +76,7 @@ pub fn main(args: &Args) -> Result<()> {
         }
         (Some(Board::QemuM7), _) => emulator::flash(emulator::M7, &actor, args.dry_run),
         (Some(Board::QemuM4f), _) => emulator::flash(emulator::M4F, &actor, args.dry_run),
-        (None, Some(host)) => host::Host::new(host, "ssh", "scp").install(&actor, FINGERPRINT_CASES, args.dry_run),
+        (None, Some(host)) => host::Host::new(host, "ssh", "scp")?.install(&actor, FINGERPRINT_CASES, args.dry_run),
         // The argument group requires one of the two.
         (None, None) => Ok(()),
     }

@@ -19,15 +19,20 @@ const ID: u32 = 0x450;
 /// Flash address of the actor file, as in `firmware-core/image/memory/stm32h743.x`.
 const ACTOR_ADDRESS: &str = "0x080e0000";
 
+/// The variable that moves it, in the build of the program as well.
+const ADDRESS_VARIABLE: &str = "COVEY_ACTOR_ADDRESS";
+
 /// The program probe-rs.
 pub struct Probe {
     program: String,
+    /// Which one, where several are connected.
+    chosen: Option<String>,
 }
 
 impl Probe {
-    /// Uses the probe-rs of this name or path.
-    pub fn new(program: &str) -> Self {
-        Self { program: program.into() }
+    /// Uses the probe-rs of this name or path, and this probe (VID:PID:SERIAL) or the only one.
+    pub fn new(program: &str, chosen: Option<String>) -> Self {
+        Self { program: program.into(), chosen }
     }
 
     /// Builds the flight program and writes it (unless `actor_only`) and the actor file to the board's flash. With
@@ -36,9 +41,10 @@ impl Probe {
     /// # Errors
     /// There is no probe that can be used, the chip is another one, writing failed, or the build failed.
     pub fn flash(&self, actor: &ActorFile, actor_only: bool, dry_run: bool) -> Result<()> {
+        let address = actor_address(std::env::var(ADDRESS_VARIABLE).ok().as_deref())?;
         let write_actor = self
             .probe_rs(&["download", "--chip", CHIP, "--verify", "--binary-format", "bin"])
-            .args(["--base-address", ACTOR_ADDRESS])
+            .args(["--base-address", &address])
             .arg(&actor.path);
         let reset = self.probe_rs(&["reset", "--chip", CHIP]);
         if dry_run {
@@ -59,8 +65,14 @@ impl Probe {
             self.run(&self.probe_rs(&["download", "--chip", CHIP, "--verify"]).arg(&image.flight))?;
         }
         say("writing the actor file");
-        self.run(&write_actor)?;
-        self.run(&reset)?;
+        let state = if actor_only {
+            "the actor file may be written in part; the program is as it was: run the same command again"
+        } else {
+            "the program is written and verified, the actor file may not be: the same command with --actor-only writes it"
+        };
+        self.run(&write_actor).map_err(|cause| FlashError::unfinished(&cause, state))?;
+        let state = "everything is written and verified: press the board's reset button";
+        self.run(&reset).map_err(|cause| FlashError::unfinished(&cause, state))?;
         say("written and verified; the board has restarted and tests its actor");
         Ok(())
     }
@@ -71,13 +83,17 @@ impl Probe {
         let list = self.run(&self.list())?;
         match complaint(&list) {
             Some(error) => Err(error.into()),
+            None if self.chosen.is_none() && probes(&list).count() > 1 => {
+                let list = probes(&list).collect::<Vec<_>>().join("\n");
+                Err(FlashError::ManyProbes { list }.into())
+            }
             None => check_id(&self.run(&self.read_id())?).map_err(Error::from),
         }
     }
 
     /// The command that lists the connected probes.
     fn list(&self) -> Cmd {
-        self.probe_rs(&["list"])
+        Cmd::new(&self.program).arg("list")
     }
 
     /// The command that reads the register with the device id.
@@ -86,7 +102,8 @@ impl Probe {
     }
 
     fn probe_rs(&self, args: &[&str]) -> Cmd {
-        Cmd::new(&self.program).args(args)
+        let probe = self.chosen.iter().flat_map(|chosen| ["--probe", chosen]);
+        Cmd::new(&self.program).args(&args[..1]).args(probe).args(&args[1..])
     }
 
     /// Runs a command of probe-rs and returns its output.
@@ -99,6 +116,19 @@ impl Probe {
             other => other,
         })
     }
+}
+
+/// The lines of `probe-rs list` that name a probe: they begin with its number in brackets.
+fn probes(list: &str) -> impl Iterator<Item = &str> {
+    let named = |line: &&str| line.strip_prefix('[').is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
+    list.lines().map(str::trim).filter(named)
+}
+
+/// Where the actor file is written: where the program expects it, which was built with the same variable.
+fn actor_address(variable: Option<&str>) -> std::result::Result<String, FlashError> {
+    let Some(text) = variable else { return Ok(ACTOR_ADDRESS.to_owned()) };
+    let digits = text.strip_prefix("0x").filter(|digits| u32::from_str_radix(digits, 16).is_ok());
+    digits.map(|_| text.to_owned()).ok_or_else(|| FlashError::BadAddress(text.into()))
 }
 
 /// The error that the output of probe-rs stands for, if it says that there is no probe that can be used.
@@ -142,7 +172,7 @@ esac"#
     }
 
     fn flash(script: &Script) -> Result<()> {
-        Probe::new(&script.path()).flash(&sample(), true, false)
+        Probe::new(&script.path(), None).flash(&sample(), true, false)
     }
 
     #[test]
@@ -170,14 +200,43 @@ esac"#
         assert!(error.to_string().contains("0x483"));
         let unplugged = fake("echo '[0]: STLink V3'", "echo 'Target device did not respond' >&2; exit 1");
         assert!(matches!(flash(&unplugged), Err(Error::Flash(FlashError::Probe { .. }))));
-        let missing = Probe::new("/nowhere/probe-rs").flash(&sample(), true, false);
+        let missing = Probe::new("/nowhere/probe-rs", None).flash(&sample(), true, false);
         assert!(matches!(missing, Err(Error::Flash(FlashError::NoProbeRs))));
+    }
+
+    #[test]
+    fn one_of_several_probes_is_chosen() {
+        let script = fake("echo '[0]: STLink V3 -- 0483:374e:A'; echo '[1]: J-Link -- 1366:0101:B'", "echo 10036450");
+        let error = flash(&script).unwrap_err().to_string();
+        assert!(error.contains("--probe") && error.contains("0483:374e:A") && error.contains("1366:0101:B"), "{error}");
+        Probe::new(&script.path(), Some("1366:0101:B".into())).flash(&sample(), true, false).unwrap();
+        let log = script.log();
+        for call in ["read", "download", "reset"] {
+            assert!(log.contains(&format!("{call} --probe 1366:0101:B --chip")), "{log}");
+        }
+    }
+
+    #[test]
+    fn what_was_written_before_a_failure_is_told() {
+        let script =
+            Script::new("case $1 in list) echo '[0]: A';; read) echo 10036450;; *) echo broken >&2; exit 1;; esac");
+        let error = flash(&script).unwrap_err().to_string();
+        assert!(error.contains("broken") && error.contains("the program is as it was"), "{error}");
+    }
+
+    #[test]
+    fn the_actor_is_written_where_the_program_expects_it() {
+        assert_eq!(actor_address(None).unwrap(), ACTOR_ADDRESS);
+        assert_eq!(actor_address(Some("0x08040000")).unwrap(), "0x08040000");
+        for wrong in ["", "0x", "08040000", "0x108040000", "sector 2"] {
+            assert!(actor_address(Some(wrong)).unwrap_err().to_string().contains("0x08040000"), "{wrong}");
+        }
     }
 
     #[test]
     fn a_dry_run_calls_nothing() {
         let script = fake("exit 1", "exit 1");
-        Probe::new(&script.path()).flash(&sample(), false, true).unwrap();
+        Probe::new(&script.path(), None).flash(&sample(), false, true).unwrap();
         assert_eq!(script.log(), "");
     }
 }

@@ -2,6 +2,7 @@
 
 use super::disk::{Disk, RealDisk};
 use super::error::{Stage, WriteError, folder_of};
+use crate::sync::lived_with;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -13,6 +14,7 @@ const TEMPORARY_SUFFIX: &str = ".covey-tmp";
 
 /// Writes `bytes` as the whole content of `path`, or changes nothing.
 ///
+/// A file system that refuses to sync (a share, for example) is lived with, and told on standard error once.
 /// A symbolic link at `path` is replaced by the file, as by `mv`.
 ///
 /// # Errors
@@ -33,7 +35,7 @@ pub fn write_on<D: Disk>(disk: &D, path: &Path, bytes: &[u8]) -> Result<(), Writ
         return Err(error(Stage::Create, source));
     };
     let mut file = disk.create_new(&temporary).map_err(|e| error(Stage::Create, e))?;
-    let written = file.write_all(bytes).and_then(|()| file.flush()).and_then(|()| disk.sync(&file));
+    let written = file.write_all(bytes).and_then(|()| file.flush()).and_then(|()| lived_with(disk.sync(&file)));
     drop(file);
     let placed = written
         .map_err(|e| error(Stage::Write, e))
@@ -43,7 +45,7 @@ pub fn write_on<D: Disk>(disk: &D, path: &Path, bytes: &[u8]) -> Result<(), Writ
         let _ = disk.remove(&temporary);
     }
     placed?;
-    disk.sync_folder(folder_of(path)).map_err(|e| error(Stage::SyncFolder, e))
+    lived_with(disk.sync_folder(folder_of(path))).map_err(|e| error(Stage::SyncFolder, e))
 }
 
 /// Removes the temporary files that a killed process left in `folder`; returns how many. Call it only while no other

@@ -2,6 +2,7 @@
 
 use super::error::{MetricsError, file_error};
 use super::read::newlines;
+use crate::sync::lived_with;
 use serde::Serialize;
 use std::fmt;
 use std::fs::{File, OpenOptions};
@@ -100,7 +101,7 @@ impl MetricsLog {
     /// # Errors
     /// [`MetricsError::File`].
     pub fn sync(&self) -> Result<(), MetricsError> {
-        self.file.sync_data().map_err(|e| file_error("sync", &self.path, e))
+        lived_with(self.file.sync_data()).map_err(|e| file_error("sync", &self.path, e))
     }
 
     /// Keeps the first `rows` rows and drops what follows.

@@ -6,6 +6,7 @@ use super::median::median;
 use super::report::{Report, print, stage_name};
 use crate::cli::{Bench, BenchStage, Device};
 use crate::commands::device::put;
+use crate::commands::output::say_out;
 use crate::commands::settings::apply;
 use crate::commands::threads::{cores, use_threads};
 use crate::settings::{Settings, word_of};
@@ -41,9 +42,9 @@ pub fn run(args: &Bench) -> Result<()> {
     };
     let report = measure(args, &s, &mut trainer, on_device.as_mut(), &workers)?;
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&report).into_diagnostic()?);
+        say_out!("{}", serde_json::to_string_pretty(&report).into_diagnostic()?)?;
     } else {
-        print(&report);
+        print(&report)?;
     }
     Ok(())
 }

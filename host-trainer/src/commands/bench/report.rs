@@ -2,6 +2,8 @@
 
 use super::against::Turns;
 use crate::cli::BenchStage;
+use crate::commands::output::say_out;
+use miette::Result;
 use serde::Serialize;
 
 /// What `bench --json` prints. Rates are medians over the repeats, agent-steps per second.
@@ -47,13 +49,22 @@ pub const fn stage_name(stage: BenchStage) -> &'static str {
 }
 
 /// Prints it for people.
-pub fn print(r: &Report) {
-    println!(
+///
+/// # Errors
+/// When standard output takes no more.
+pub fn print(r: &Report) -> Result<()> {
+    say_out!(
         "{} of {} inputs on {} thread(s), {} epochs, {} worlds, minibatch {}, medians of {}:",
-        r.graph, r.inputs, r.threads, r.epochs, r.worlds, r.minibatch, r.repeats
-    );
+        r.graph,
+        r.inputs,
+        r.threads,
+        r.epochs,
+        r.worlds,
+        r.minibatch,
+        r.repeats
+    )?;
     if r.cpu_agent_steps_per_s.is_some() {
-        println!("  {:<36} {:>9}               on the CPU (networks on {})", "", "", r.device);
+        say_out!("  {:<36} {:>9}               on the CPU (networks on {})", "", "", r.device)?;
     }
     for (k, (what, rate)) in [
         (stage_name(BenchStage::Env), r.env_agent_steps_per_s),
@@ -65,25 +76,26 @@ pub fn print(r: &Report) {
     .enumerate()
     {
         let beside = r.cpu_agent_steps_per_s.map(|cpu| format!(" {:>9.0}: {:.2} times", cpu[k], rate / cpu[k]));
-        println!("  {what:<36} {rate:>9.0} agent-steps/s{}", beside.unwrap_or_default());
+        say_out!("  {what:<36} {rate:>9.0} agent-steps/s{}", beside.unwrap_or_default())?;
     }
-    println!(
+    say_out!(
         "  the update's products: {:.0} thousand multiply-adds an agent-step, {:.1} GFLOP/s, {:.0} % of the {:.1} that \
          this machine does in registers",
         r.update_multiply_adds / 1e3,
         r.update_gflops,
         100.0 * r.update_share_of_peak,
         r.fma_peak_gflops
-    );
-    println!("  memory: {:.1} GB/s read", r.memory_gb_per_s);
+    )?;
+    say_out!("  memory: {:.1} GB/s read", r.memory_gb_per_s)?;
     if let Some(peak) = r.peak_memory_mib {
-        println!("  at most {peak:.0} MiB in use");
+        say_out!("  at most {peak:.0} MiB in use")?;
     }
     if let Some(t) = &r.against {
-        println!("  {}, and {}:", r.stage, t.command);
+        say_out!("  {}, and {}:", r.stage, t.command)?;
         for (own, other) in t.own_rates.iter().zip(&t.rates) {
-            println!("    {own:>9.0} {other:>9.0} agent-steps/s: {:.2} times", own / other);
+            say_out!("    {own:>9.0} {other:>9.0} agent-steps/s: {:.2} times", own / other)?;
         }
-        println!("    median: {:.2} times", t.ratio);
+        say_out!("    median: {:.2} times", t.ratio)?;
     }
+    Ok(())
 }

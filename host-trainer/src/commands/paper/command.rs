@@ -3,7 +3,8 @@
 use super::plan::plan;
 use super::training::train;
 use crate::cli::ExperimentPaper;
-use crate::commands::interrupt::{INTERRUPTED, stop_on_signals};
+use crate::commands::interrupt::{INTERRUPTED, Stop};
+use crate::commands::output::{say_out, tell};
 use crate::commands::threads::{cores, use_threads};
 use crate::experiments::paper::{Results, WORLDS, collect, figures, page};
 use covey_report::atomic;
@@ -16,6 +17,7 @@ const QUICK_WORLDS: u32 = 3;
 const RESULTS: &str = "results.json";
 const PAGE: &str = "report.md";
 const FIGURES: &str = "figures";
+const STOPPED: &str = "stopped, and saved; the same command goes on";
 
 /// Trains, flies, reports.
 ///
@@ -34,9 +36,10 @@ pub fn run(args: &ExperimentPaper) -> Result<()> {
     std::fs::create_dir_all(&args.out).map_err(|e| miette!("cannot make the folder {}: {e}", args.out.display()))?;
     if !args.report_only {
         let wanted = plan(args)?;
-        let stop = stop_on_signals()?;
+        let stop = Stop::on_signals()?;
+        stop.at_once(STOPPED.into());
         if !train(args, &wanted, threads, &stop)? {
-            eprintln!("stopped, and saved; the same command goes on");
+            tell!("{STOPPED}");
             std::process::exit(INTERRUPTED);
         }
     }
@@ -53,7 +56,7 @@ fn results(args: &ExperimentPaper) -> Result<Results> {
     };
     let say = |policy: &str| {
         if !args.quiet {
-            eprintln!("flying {policy}");
+            tell!("flying {policy}");
         }
     };
     let found = collect(&args.out, args.worlds.or(usual), say).into_diagnostic()?;
@@ -74,9 +77,9 @@ fn write(results: &Results, out: &Path, quiet: bool) -> Result<()> {
         atomic::write(path, text.as_bytes()).into_diagnostic()?;
     }
     if !quiet {
-        println!("report      {}", out.join(PAGE).display());
-        println!("figures     {}", folder.display());
-        println!("numbers     {}", out.join(RESULTS).display());
+        say_out!("report      {}", out.join(PAGE).display())?;
+        say_out!("figures     {}", folder.display())?;
+        say_out!("numbers     {}", out.join(RESULTS).display())?;
     }
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 use super::progress::Watch;
 use crate::cli::ExperimentPaper;
+use crate::commands::interrupt::Stop;
 use crate::commands::session::Session;
 use crate::experiments::paper::{Run, check, finished, folder_of, run_name, runs};
 use crate::run::{CheckpointError, FolderError, RunFolder};
@@ -11,10 +12,9 @@ use covey_report::progress::Mode;
 use miette::{IntoDiagnostic, Result, WrapErr, miette};
 use std::path::Path;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Trains all runs that are not finished. False when it was stopped.
-pub fn train(args: &ExperimentPaper, wanted: &[Settings], threads: usize, stop: &AtomicBool) -> Result<bool> {
+pub fn train(args: &ExperimentPaper, wanted: &[Settings], threads: usize, stop: &Stop) -> Result<bool> {
     let folder = folder_of(&args.out, args.settings);
     let present = runs(&args.out, args.settings).into_diagnostic()?;
     if let Some(settings) = wanted.first() {
@@ -42,7 +42,7 @@ pub fn train(args: &ExperimentPaper, wanted: &[Settings], threads: usize, stop: 
             let ended = train_run(&path, settings, &workers, stop, &watch).wrap_err_with(|| path.display().to_string());
             if ended.is_err() {
                 // The others save and stop too.
-                stop.store(true, Ordering::SeqCst);
+                stop.fail();
             }
             if !ended? {
                 return Ok(false);
@@ -68,36 +68,48 @@ fn episodes_done(run: &Run) -> u64 {
 }
 
 /// Trains one run to its end, from its newest checkpoint where it has one. False when stopped.
-fn train_run(path: &Path, settings: &Settings, workers: &Workers, stop: &AtomicBool, watch: &Watch) -> Result<bool> {
-    if stop.load(Ordering::SeqCst) {
+fn train_run(path: &Path, settings: &Settings, workers: &Workers, stop: &Stop, watch: &Watch) -> Result<bool> {
+    if stop.asked() {
         return Ok(false);
     }
     let loaded = match RunFolder::open(path) {
-        Ok(folder) => match folder.load() {
-            Ok((_, checkpoint)) => Some((folder, checkpoint)),
-            // Cut off before its first checkpoint: nothing is lost.
-            Err(FolderError::Checkpoint(CheckpointError::None(_))) => {
-                std::fs::remove_dir_all(path).map_err(|e| miette!("cannot remove {}: {e}", path.display()))?;
-                None
+        Ok(folder) => {
+            let lock = Session::lock(&folder)?;
+            match folder.load() {
+                Ok((_, checkpoint)) => Some((folder, lock, checkpoint)),
+                // Cut off before its first checkpoint: nothing is lost.
+                Err(FolderError::Checkpoint(CheckpointError::None(_))) => {
+                    std::fs::remove_dir_all(path).map_err(|e| miette!("cannot remove {}: {e}", path.display()))?;
+                    None
+                }
+                Err(e) => return Err(e).into_diagnostic(),
             }
-            Err(e) => return Err(e).into_diagnostic(),
-        },
+        }
         Err(_) => None,
     };
     let resumed = loaded.is_some();
-    let (folder, trainer) = match loaded {
-        Some((folder, checkpoint)) => (folder, Trainer::resume(settings.clone(), checkpoint.state).into_diagnostic()?),
+    let (folder, lock, trainer) = match loaded {
+        Some((folder, lock, checkpoint)) => {
+            (folder, lock, Trainer::resume(settings.clone(), checkpoint.state).into_diagnostic()?)
+        }
         None => {
             let trainer = Trainer::new(settings.clone()).into_diagnostic()?;
-            (RunFolder::create(Some(path), settings).into_diagnostic()?, trainer)
+            let folder = RunFolder::create(Some(path), settings).into_diagnostic()?;
+            let lock = Session::lock(&folder)?;
+            (folder, lock, trainer)
         }
     };
-    let mut session = Session::open(folder, trainer, resumed, Mode::Quiet)?;
+    let mut session = Session::open(folder, lock, trainer, resumed, Mode::Quiet)?;
     let mut before = session.episodes();
-    let done = session.train(workers, stop, |row| {
-        watch.played(row.episodes - before);
-        before = row.episodes;
-    })?;
+    let done = {
+        let _saving = stop.saving();
+        session.train(workers, stop, |row| {
+            watch.played(row.episodes - before);
+            before = row.episodes;
+        })?
+    };
+    // Runs that measure are not waited for: they measure again.
+    stop.end_if_signalled();
     if done {
         session.finish()?;
         watch.say(&format!("{} is done", run_name(settings)));
