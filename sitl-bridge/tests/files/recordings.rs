@@ -47,6 +47,7 @@ fn settings<'a>(actor: Actor<'a>, mission: &Mission, record: bool) -> Settings<'
     Settings {
         id: ID,
         system: 4,
+        vehicle_system: 7,
         actor,
         mission: Arc::new(mission.clone()),
         pois: Arc::new(PoiMap::new(&mission.pois)),
