@@ -3,6 +3,7 @@
 use super::autopilot_link::AutopilotLink;
 use super::counters::Counters;
 use super::decision_loop::{DecisionLoop, Measurement};
+use super::ending::{Ending, last_setpoint};
 use super::gate_driver::{GateDriver, SetpointFilter};
 use super::gate_inputs::{GateContext, gate_inputs};
 use super::host_clock::HostClockFallback;
@@ -40,6 +41,10 @@ pub struct Node<'a> {
     host_clock: HostClockFallback,
     /// Whether the operator, or the pilot's takeoff, has started the mission.
     started: bool,
+    /// The vehicle is being braked, to be let go.
+    ending: Option<Ending>,
+    /// Notices of what the operator asked for, until the next turn.
+    answers: Vec<Notice>,
     /// When the last HEARTBEAT was sent, ms of the node's clock.
     heartbeat_ms: i64,
 }
@@ -75,6 +80,8 @@ impl<'a> Node<'a> {
             timebase: Timebase::default(),
             host_clock: HostClockFallback::default(),
             started: false,
+            ending: None,
+            answers: Vec::new(),
             heartbeat_ms: i64::MIN / 2,
             settings,
         };
@@ -97,22 +104,41 @@ impl<'a> Node<'a> {
     /// Starts the mission: takes control of the vehicle, with takeoff if need be.
     pub fn start(&mut self) {
         self.started = true;
+        self.ending = None;
         self.gate.set_request(Request::Start);
         self.autopilot.restart();
     }
 
-    /// Releases control of the vehicle; with `land` it is commanded to land first.
+    /// Releases control of the vehicle. In flight it is braked first, until it stands still or for 3 s;
+    /// see [`Node::is_ending`]. With `land` it is commanded to land instead.
     pub fn release(&mut self, land: bool) {
-        self.gate.set_request(Request::Release);
         if land {
+            self.ending = None;
+            self.gate.set_request(Request::Release);
             self.autopilot.land(self.timebase.now_ms());
+        } else {
+            self.end(self.gate.is_flying());
         }
     }
 
-    /// Whether a command waits for the autopilot's COMMAND_ACK.
+    /// Releases control at once or, with `brake`, once the vehicle stands still.
+    fn end(&mut self, brake: bool) {
+        // Nothing starts by itself after an order of the operator.
+        self.started = true;
+        if !brake {
+            self.ending = None;
+            self.gate.set_request(Request::Release);
+        } else if self.ending.is_none() {
+            self.ending = Some(Ending::new(self.timebase.now_ms()));
+            self.answers.push(Notice::info("braking before the vehicle is let go"));
+        }
+    }
+
+    /// Whether the end of the flight is still under way: the vehicle is being braked, or a command waits
+    /// for the autopilot's COMMAND_ACK.
     #[must_use]
-    pub fn awaits_ack(&self) -> bool {
-        self.autopilot.awaits_ack()
+    pub fn is_ending(&self) -> bool {
+        self.ending.is_some() || self.autopilot.awaits_ack()
     }
 
     /// Counts steps from this Unix time, ms, instead of the mission's epoch; with `None` there are no
@@ -240,6 +266,7 @@ impl<'a> Node<'a> {
     /// Runs the node's timers. To be called after each turn of receiving, and at least every 50 ms.
     pub fn tick(&mut self, now: HostTime, out: &mut NodeOutput) {
         self.advance_clock(now);
+        out.notices.append(&mut self.answers);
         out.notices.extend(self.links.check_silence(now, &self.settings.advice));
         // When positions cease the gate is asked all the same.
         if let Some(filter) = self.gate.overdue(self.autopilot.state.now_ms(), now) {
@@ -319,12 +346,21 @@ impl<'a> Node<'a> {
             mission: &self.settings.mission,
             id: self.settings.id,
             feed_forward: self.settings.feed_forward,
-            profile: self.decisions.velocity_profile(),
+            // Without a decision the gate brakes.
+            profile: self.decisions.velocity_profile().filter(|_| self.ending.is_none()),
             swarm_ms: self.links.swarm_boot_ms(),
             request: self.gate.take_request(),
         };
         let inputs = gate_inputs(&mut self.autopilot, &context, now);
-        let output = self.gate.tick(&inputs, now, filter, self.autopilot.firmware());
+        let mut output = self.gate.tick(&inputs, now, filter, self.autopilot.firmware());
+        if let Some(ending) = self.ending {
+            // That the gate holds is no news: the operator was told of the braking.
+            output.notice = output.notice.filter(|_| !matches!(self.gate.verdict(), Verdict::Hold(..)));
+            if ending.is_over(&inputs, &self.gate.verdict(), self.timebase.now_ms()) {
+                output.setpoint = last_setpoint(&self.gate.verdict());
+                self.end(false);
+            }
+        }
         out.notices.extend(output.notice);
         if output.return_home {
             self.autopilot.return_home(self.timebase.now_ms());
