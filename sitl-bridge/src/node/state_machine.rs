@@ -86,7 +86,7 @@ impl<'a> Node<'a> {
             settings,
         };
         if node.settings.take_off {
-            node.start();
+            node.begin(false);
         }
         Ok(node)
     }
@@ -96,28 +96,44 @@ impl<'a> Node<'a> {
         match command {
             OperatorCommand::Start => self.start(),
             OperatorCommand::Release => self.release(false),
-            OperatorCommand::Return => self.gate.set_request(Request::Return),
+            OperatorCommand::Return => self.order(Autopilot::return_home),
             OperatorCommand::Land => self.release(true),
         }
     }
 
     /// Starts the mission: takes control of the vehicle, with takeoff if need be.
     pub fn start(&mut self) {
+        self.begin(true);
+    }
+
+    /// Starts; only with `may_take` with a vehicle that is armed and in another mode.
+    fn begin(&mut self, may_take: bool) {
         self.started = true;
         self.ending = None;
         self.gate.set_request(Request::Start);
-        self.autopilot.restart();
+        self.autopilot.restart(may_take);
     }
 
     /// Releases control of the vehicle. In flight it is braked first, until it stands still or for 3 s;
     /// see [`Node::is_ending`]. With `land` it is commanded to land instead.
     pub fn release(&mut self, land: bool) {
         if land {
-            self.ending = None;
-            self.gate.set_request(Request::Release);
-            self.autopilot.land(self.timebase.now_ms());
+            self.order(Autopilot::land);
         } else {
             self.end(self.gate.is_flying());
+        }
+    }
+
+    /// Orders a return or a landing of a vehicle that nobody else flies.
+    fn order(&mut self, order: fn(&mut Autopilot, i64)) {
+        self.end(false);
+        if self.autopilot.takes_orders() {
+            self.gate.set_request(Request::Return);
+            order(&mut self.autopilot, self.timebase.now_ms());
+        } else {
+            let (mode, armed) = (self.autopilot.mode_name(), if self.autopilot.is_armed() { "" } else { "dis" });
+            let text = format!("not commanded: the vehicle is {armed}armed, in {mode}, and not this node's");
+            self.answers.push(Notice::warning(text));
         }
     }
 
@@ -362,7 +378,8 @@ impl<'a> Node<'a> {
             }
         }
         out.notices.extend(output.notice);
-        if output.return_home {
+        // An order of the operator is under way already, and may be a landing.
+        if output.return_home && !self.autopilot.has_order() {
             self.autopilot.return_home(self.timebase.now_ms());
         }
         if let Some(setpoint) = &output.setpoint {
@@ -385,6 +402,9 @@ impl<'a> Node<'a> {
         let command = self.autopilot.poll(self.timebase.now_ms(), clearance, &mut out.notices);
         if let Some(command) = command {
             self.send(&command.payload(self.target()), now, out);
+        }
+        if self.autopilot.stage() == Stage::Failed && self.gate.phase() == Phase::BringUp {
+            self.end(false);
         }
     }
 

@@ -4,6 +4,7 @@ mod ending;
 mod faults;
 mod flight;
 mod neighbours;
+mod orders;
 mod robust;
 mod standing;
 mod vehicle;
