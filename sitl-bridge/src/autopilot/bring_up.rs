@@ -7,6 +7,8 @@ use super::vehicle_state::VehicleState;
 const REACHED_MM: i32 = 1000;
 /// A vehicle this high above home is in the air, mm.
 const AIRBORNE_MM: i32 = 1500;
+/// A takeoff whose COMMAND_ACK was lost shows by this climb, mm.
+const CLIMBED_MM: i32 = 700;
 /// Lowest takeoff altitude above home, mm.
 const MIN_TAKEOFF_MM: i32 = 2000;
 /// PX4 requires a second of setpoints before OFFBOARD; a little more is sure.
@@ -58,11 +60,26 @@ pub(super) struct BringUp {
     climbing_since: Option<i64>,
     /// PX4: AUTO.TAKEOFF was seen after our takeoff command.
     took_off: bool,
+    /// A vehicle that is armed and in another mode may be taken: the operator asked for it.
+    may_take: bool,
+    /// `custom_mode` when the bring-up began.
+    began_in: Option<u32>,
+    /// Height above home when the takeoff was first commanded, mm.
+    from_mm: Option<i32>,
 }
 
 impl BringUp {
     pub const fn new(layer_mm: i32) -> Self {
-        Self { layer_mm, airborne: false, streaming_since: None, climbing_since: None, took_off: false }
+        Self {
+            layer_mm,
+            airborne: false,
+            streaming_since: None,
+            climbing_since: None,
+            took_off: false,
+            may_take: false,
+            began_in: None,
+            from_mm: None,
+        }
     }
 
     /// In the air, with the takeoff finished.
@@ -73,6 +90,32 @@ impl BringUp {
     /// Forgets the takeoff under way, so that a new start begins from scratch.
     pub const fn restart(&mut self) {
         (self.climbing_since, self.took_off) = (None, false);
+        (self.began_in, self.from_mm) = (None, None);
+    }
+
+    /// Whether a vehicle may be taken that is armed and in another mode.
+    pub const fn may_take(&self) -> bool {
+        self.may_take
+    }
+
+    pub const fn set_may_take(&mut self, may_take: bool) {
+        self.may_take = may_take;
+    }
+
+    /// Whether the bring-up has begun.
+    pub const fn has_begun(&self) -> bool {
+        self.began_in.is_some()
+    }
+
+    /// Begins in this `custom_mode`, unless it has begun; returns the mode in which it did.
+    pub fn begin(&mut self, custom_mode: u32) -> u32 {
+        *self.began_in.get_or_insert(custom_mode)
+    }
+
+    /// Whether the vehicle has climbed since the takeoff was first commanded.
+    pub fn is_climbing(&self, state: &VehicleState) -> bool {
+        let Some((from, odometry)) = self.from_mm.zip(state.odometry) else { return false };
+        odometry.relative_mm - from >= CLIMBED_MM
     }
 
     /// The vehicle rebooted, so it is on the ground.
@@ -131,6 +174,7 @@ impl BringUp {
             }
             self.took_off |= ours;
         }
+        self.from_mm.get_or_insert(odometry.relative_mm);
         let since = *self.climbing_since.get_or_insert(now_ms);
         let allowed_ms = CLIMB_START_MS + i64::from(height_mm) * 1000 / SLOWEST_CLIMB_MMPS;
         if now_ms - since > allowed_ms {

@@ -24,6 +24,17 @@ const CORRECTIONS_MS: i64 = 30_000;
 /// MAV_SEVERITY up to which it does: warnings and worse.
 const TEXT_SEVERITY: u8 = 4;
 
+/// An order that failed is given again after this, ms.
+const REPEAT_ORDER_MS: i64 = 2000;
+/// A change of mode that was accepted has this long to show in a heartbeat, ms: longer, and somebody
+/// changed it back.
+const EFFECT_MS: i64 = 2500;
+
+/// Parameters of MAV_CMD_DO_SET_MODE; the first is MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.
+const fn set_mode_params([main, sub]: [f32; 2]) -> [f32; 7] {
+    [1.0, main, sub, 0.0, 0.0, 0.0, 0.0]
+}
+
 /// What the safety gate lets the autopilot's client do at a poll.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Clearance {
@@ -45,6 +56,9 @@ pub struct Autopilot {
     rate_hz: f64,
     bring_up: BringUp,
     command: Option<PendingCommand>,
+    /// A return or a landing, until the autopilot has left the mode that follows setpoints. It comes before
+    /// everything else.
+    order: Option<PendingCommand>,
     /// Index of the next message interval to request.
     next_rate: usize,
     stage: Stage,
@@ -76,6 +90,7 @@ impl Autopilot {
             rate_hz,
             bring_up: BringUp::new(layer_mm),
             command: None,
+            order: None,
             next_rate: 0,
             stage: Stage::Silent,
             reminded_ms: i64::MIN / 2,
@@ -173,7 +188,7 @@ impl Autopilot {
         match update {
             TelemetryUpdate::Rebooted => {
                 notices.push(Notice::warning("the vehicle's clock started anew: it booted again, or it jumped"));
-                (self.next_rate, self.command) = (0, None);
+                (self.next_rate, self.command, self.order) = (0, None, None);
                 self.bring_up.reboot();
                 if self.stage != Stage::Failed {
                     self.stage = Stage::Subscribing;
@@ -197,6 +212,7 @@ impl Autopilot {
             if before != mode && before != "unknown" {
                 notices.push(Notice::info(format!("mode {before} -> {mode}")));
             }
+            self.check_order();
         }
         self.bring_up.update(&self.state, self.state.is_armed());
         update
@@ -206,6 +222,11 @@ impl Autopilot {
     /// sent by the node.
     pub fn poll(&mut self, now_ms: i64, clearance: Clearance, notices: &mut Vec<Notice>) -> Option<CommandLong> {
         self.bring_up.set_streaming(clearance.streaming, now_ms);
+        if let Some(message) = self.poll_order(now_ms, notices) {
+            return Some(message);
+        }
+        let may_start = clearance.bring_up && self.order.is_none();
+        self.note_climb(now_ms);
         match self.stage {
             Stage::Silent => {
                 notices.extend(self.identity.waiting());
@@ -213,7 +234,7 @@ impl Autopilot {
             }
             Stage::Failed => return None,
             Stage::Subscribing => self.subscribe(now_ms),
-            Stage::Idle | Stage::BringUp | Stage::Flying => self.advance(now_ms, clearance.bring_up, notices),
+            Stage::Idle | Stage::BringUp | Stage::Flying => self.advance(now_ms, may_start, notices),
         }
         match self.command.as_mut()?.poll(now_ms) {
             Ok(message) => message,
@@ -224,8 +245,10 @@ impl Autopilot {
         }
     }
 
-    /// The operator requests a start, perhaps after a failure: the bring-up begins from scratch.
-    pub fn restart(&mut self) {
+    /// The operator requests a start, perhaps after a failure: the bring-up begins from scratch. Only with
+    /// `may_take` is a vehicle taken that is armed and in another mode.
+    pub fn restart(&mut self, may_take: bool) {
+        self.bring_up.set_may_take(may_take);
         if self.stage == Stage::Failed && self.firmware.is_some() {
             self.stage = Stage::Subscribing;
             self.next_rate = 0;
@@ -233,7 +256,7 @@ impl Autopilot {
         if self.state.senders() == Senders::Two {
             self.state.forget_senders();
         }
-        self.command = None;
+        (self.command, self.order) = (None, None);
         self.bring_up.restart();
     }
 
@@ -254,18 +277,70 @@ impl Autopilot {
     }
 
     fn end_flight(&mut self, mode: fn(Firmware) -> [f32; 2], now_ms: i64) {
-        if let Some(firmware) = self.firmware {
-            self.set_mode(mode(firmware), now_ms);
-            if let Some(command) = &mut self.command {
-                command.ends_flight = true;
+        let Some([main, sub]) = self.firmware.map(mode) else { return };
+        let params = set_mode_params([main, sub]);
+        if !self.order.is_some_and(|order| order.is(mav_cmd::DO_SET_MODE, &params)) {
+            self.order = Some(PendingCommand::new(mav_cmd::DO_SET_MODE, params, now_ms));
+        }
+        // No command of the bring-up follows.
+        self.command = self.command.filter(|command| command.command() == mav_cmd::SET_MESSAGE_INTERVAL);
+    }
+
+    /// The return or landing to send now. It is repeated until the autopilot has left the mode that follows
+    /// setpoints, whatever its answer.
+    fn poll_order(&mut self, now_ms: i64, notices: &mut Vec<Notice>) -> Option<CommandLong> {
+        let order = self.order.as_mut()?;
+        let polled = order.poll(now_ms);
+        match polled {
+            Ok(message) => message,
+            Err(_) => {
+                self.repeat_order(now_ms, "no answer from the autopilot", notices);
+                None
             }
+        }
+    }
+
+    /// Begins anew with an order that failed.
+    fn repeat_order(&mut self, now_ms: i64, why: &str, notices: &mut Vec<Notice>) {
+        self.order = self.order.map(|order| order.anew(now_ms + REPEAT_ORDER_MS));
+        notices.push(Notice::warning(format!("the return or landing failed: {why}; trying on")));
+    }
+
+    /// Drops an order that was carried out, or whose vehicle somebody else flies by now.
+    fn check_order(&mut self) {
+        if !self.takes_orders() {
+            self.order = None;
+        }
+    }
+
+    /// Whether a return or a landing may be commanded: the vehicle is armed, and in the mode that follows
+    /// setpoints or in the takeoff that was commanded here.
+    #[must_use]
+    pub fn takes_orders(&self) -> bool {
+        let climbs = self.mode() == Some(Mode::TakeoffOrHold) && self.bring_up.has_begun();
+        self.is_armed() && (self.mode() == Some(Mode::Guided) || climbs)
+    }
+
+    /// Whether a return or a landing is under way.
+    #[must_use]
+    pub const fn has_order(&self) -> bool {
+        self.order.is_some()
+    }
+
+    /// A vehicle that climbs has taken off, whatever became of the COMMAND_ACK.
+    fn note_climb(&mut self, now_ms: i64) {
+        if let Some(command) = self.command.as_mut().filter(|c| c.command() == mav_cmd::NAV_TAKEOFF)
+            && !command.is_accepted()
+            && self.bring_up.is_climbing(&self.state)
+        {
+            command.accept(now_ms);
         }
     }
 
     /// Whether a command waits for its COMMAND_ACK.
     #[must_use]
     pub fn awaits_ack(&self) -> bool {
-        self.command.is_some_and(|command| !command.is_accepted())
+        [self.command, self.order].iter().flatten().any(|command| !command.is_accepted())
     }
 
     fn identify(&mut self, from: (u8, u8), heartbeat: Heartbeat, notices: &mut Vec<Notice>) {
@@ -299,9 +374,8 @@ impl Autopilot {
 
     /// Requests the rates again when heartbeats come and positions do not, as after a reboot.
     fn check_rates(&mut self, now_ms: i64, notices: &mut Vec<Notice>) {
-        let ends_flight = self.command.is_some_and(|command| command.ends_flight && !command.is_accepted());
         let wait_ms = POSITIONS_MS << self.asked_again.min(MOST_DOUBLED);
-        let waits = matches!(self.stage, Stage::Idle | Stage::Flying) && !ends_flight;
+        let waits = matches!(self.stage, Stage::Idle | Stage::Flying) && !self.has_order();
         if !waits || now_ms - self.positions_ms < wait_ms {
             return;
         }
@@ -356,13 +430,16 @@ impl Autopilot {
         }
         if !may_start {
             self.stage = Stage::Idle;
-            // No bring-up command is repeated once the gate has closed. A return or a landing is, until
-            // the autopilot has left the mode that follows setpoints.
-            self.command = self.command.filter(|command| command.ends_flight && guided);
+            // No bring-up command is repeated once the gate has closed.
+            self.command = None;
             return;
         }
         if let Some(missing) = self.state.missing() {
             self.remind(now_ms, notices, || format!("waiting for {missing}"));
+            return;
+        }
+        if let Some(reason) = self.taken_over(now_ms) {
+            self.give_up(&reason, notices);
             return;
         }
         self.stage = Stage::BringUp;
@@ -389,6 +466,28 @@ impl Autopilot {
         }
     }
 
+    /// Who has the vehicle instead of the node, in words: it is armed in another mode before an automatic
+    /// start, or its mode was changed since the bring-up began.
+    fn taken_over(&mut self, now_ms: i64) -> Option<String> {
+        let heartbeat = self.state.heartbeat?.0;
+        let firmware = self.firmware?;
+        let mode = firmware.mode(heartbeat.custom_mode);
+        let name = firmware.mode_name(heartbeat.custom_mode);
+        if mode == Mode::Guided {
+            return None;
+        }
+        if !self.bring_up.may_take() && !self.bring_up.has_begun() && heartbeat.armed {
+            return Some(format!("it is armed and in {name}, so somebody flies it: type `start` to take it"));
+        }
+        // What the autopilot itself changes to on its takeoff.
+        let ours = firmware == Firmware::Px4 && mode == Mode::TakeoffOrHold && self.bring_up.has_begun();
+        let began_in = self.bring_up.begin(heartbeat.custom_mode);
+        let accepted_ms = self.command.filter(|c| c.is(mav_cmd::DO_SET_MODE, &set_mode_params(firmware.guided())));
+        let undone = accepted_ms.and_then(PendingCommand::accepted_ms).is_some_and(|at| now_ms - at >= EFFECT_MS);
+        ((!ours && heartbeat.custom_mode != began_in) || undone)
+            .then(|| format!("the mode is {name}: somebody else changed it; type `start` to take the vehicle"))
+    }
+
     /// Makes this the command under way, unless it is already.
     fn request(&mut self, command: u16, params: [f32; 7], now_ms: i64) {
         if !self.command.is_some_and(|pending| pending.is(command, &params)) {
@@ -396,12 +495,18 @@ impl Autopilot {
         }
     }
 
-    fn set_mode(&mut self, [main, sub]: [f32; 2], now_ms: i64) {
-        // Parameter 1: MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.
-        self.request(mav_cmd::DO_SET_MODE, [1.0, main, sub, 0.0, 0.0, 0.0, 0.0], now_ms);
+    fn set_mode(&mut self, mode: [f32; 2], now_ms: i64) {
+        self.request(mav_cmd::DO_SET_MODE, set_mode_params(mode), now_ms);
     }
 
     fn acknowledge(&mut self, command: u16, result: u8, now_ms: i64, notices: &mut Vec<Notice>) {
+        if let Some(order) = self.order.as_mut().filter(|c| c.command() == command && !c.is_accepted()) {
+            if order.acknowledge(result, now_ms).is_err() || order.is_refused() {
+                let why = format!("refused by the autopilot{}", self.explanation(now_ms));
+                self.repeat_order(now_ms, &why, notices);
+            }
+            return;
+        }
         let Some(pending) = self.command.as_mut().filter(|c| c.command() == command && !c.is_accepted()) else {
             return;
         };

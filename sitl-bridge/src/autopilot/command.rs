@@ -21,9 +21,6 @@ const IN_PROGRESS: u8 = 5;
 /// A command under way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PendingCommand {
-    /// Whether it ends the flight (return or landing), so that it may be sent while bring-up is not
-    /// allowed.
-    pub ends_flight: bool,
     command: u16,
     params: [f32; 7],
     state: State,
@@ -55,7 +52,7 @@ pub(super) enum CommandFailure {
 impl PendingCommand {
     /// A command to be sent at once.
     pub const fn new(command: u16, params: [f32; 7], now_ms: i64) -> Self {
-        Self { ends_flight: false, command, params, state: State::Due(now_ms), sent: 0, refused: 0 }
+        Self { command, params, state: State::Due(now_ms), sent: 0, refused: 0 }
     }
 
     /// Its MAV_CMD.
@@ -66,6 +63,29 @@ impl PendingCommand {
     /// Whether the autopilot accepted it.
     pub const fn is_accepted(&self) -> bool {
         matches!(self.state, State::Accepted(_))
+    }
+
+    /// When the autopilot accepted it, ms.
+    pub const fn accepted_ms(self) -> Option<i64> {
+        match self.state {
+            State::Accepted(at) => Some(at),
+            State::Due(_) | State::Sent(_) => None,
+        }
+    }
+
+    /// Takes it for accepted: its effect shows.
+    pub const fn accept(&mut self, now_ms: i64) {
+        self.state = State::Accepted(now_ms);
+    }
+
+    /// Whether the last answer was a refusal.
+    pub const fn is_refused(&self) -> bool {
+        self.refused > 0
+    }
+
+    /// The same command from the beginning, to be sent at `due_ms`.
+    pub const fn anew(self, due_ms: i64) -> Self {
+        Self::new(self.command, self.params, due_ms)
     }
 
     /// Whether it is this command with these parameters.

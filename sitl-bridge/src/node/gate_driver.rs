@@ -76,6 +76,11 @@ impl GateDriver {
         self.request = Some(request);
     }
 
+    /// Whether setpoints fly the vehicle.
+    pub const fn is_flying(&self) -> bool {
+        matches!(self.gate.phase(), Phase::Flight) && self.verdict.setpoint().is_some()
+    }
+
     /// Takes the operator's request, to hand it to the gate.
     pub const fn take_request(&mut self) -> Option<Request> {
         self.request.take()
@@ -96,7 +101,9 @@ impl GateDriver {
 
     /// What the autopilot's client may do.
     pub const fn clearance(&self) -> Clearance {
-        Clearance { bring_up: matches!(self.verdict, Verdict::BringUp(_)), streaming: self.streaming }
+        // A verdict from before the operator's request no longer counts.
+        let bring_up = matches!(self.verdict, Verdict::BringUp(_)) && self.request.is_none();
+        Clearance { bring_up, streaming: self.streaming }
     }
 
     /// A position arrived and the gate was asked with it: the wait for the next one begins.
@@ -111,6 +118,10 @@ impl GateDriver {
         let period_wall_ms = if self.gate.limits().real_time { u64::from(period_ms) } else { SIMULATION_MS };
         let passed_ms = boot_ms.wrapping_sub(self.asked_boot_ms);
         let passed_wall_ms = now.wall_ms.saturating_sub(self.asked_wall_ms);
+        if self.request.is_some() {
+            // The operator does not wait.
+            return Some(SetpointFilter::NewVerdict);
+        }
         if passed_ms < period_ms && passed_wall_ms < period_wall_ms {
             return None;
         }

@@ -3,6 +3,7 @@
 use super::autopilot_link::AutopilotLink;
 use super::counters::Counters;
 use super::decision_loop::{DecisionLoop, Measurement};
+use super::ending::{Ending, last_setpoint};
 use super::gate_driver::{GateDriver, SetpointFilter};
 use super::gate_inputs::{GateContext, gate_inputs};
 use super::host_clock::HostClockFallback;
@@ -42,6 +43,10 @@ pub struct Node<'a> {
     host_clock: HostClockFallback,
     /// Whether the operator, or the pilot's takeoff, has started the mission.
     started: bool,
+    /// The vehicle is being braked, to be let go.
+    ending: Option<Ending>,
+    /// Notices of what the operator asked for, until the next turn.
+    answers: Vec<Notice>,
     /// When the last HEARTBEAT was sent, ms of the node's clock.
     heartbeat_ms: i64,
 }
@@ -84,11 +89,13 @@ impl<'a> Node<'a> {
             timebase: Timebase::default(),
             host_clock: HostClockFallback::default(),
             started: false,
+            ending: None,
+            answers: Vec::new(),
             heartbeat_ms: i64::MIN / 2,
             settings,
         };
         if node.settings.take_off {
-            node.start();
+            node.begin(false);
         }
         Ok(node)
     }
@@ -98,30 +105,65 @@ impl<'a> Node<'a> {
         match command {
             OperatorCommand::Start => self.start(),
             OperatorCommand::Release => self.release(false),
-            OperatorCommand::Return => self.gate.set_request(Request::Return),
+            OperatorCommand::Return => self.order(Autopilot::return_home),
             OperatorCommand::Land => self.release(true),
         }
     }
 
     /// Starts the mission: takes control of the vehicle, with takeoff if need be.
     pub fn start(&mut self) {
-        self.started = true;
-        self.gate.set_request(Request::Start);
-        self.autopilot.restart();
+        self.begin(true);
     }
 
-    /// Releases control of the vehicle; with `land` it is commanded to land first.
+    /// Starts; only with `may_take` with a vehicle that is armed and in another mode.
+    fn begin(&mut self, may_take: bool) {
+        self.started = true;
+        self.ending = None;
+        self.gate.set_request(Request::Start);
+        self.autopilot.restart(may_take);
+    }
+
+    /// Releases control of the vehicle. In flight it is braked first, until it stands still or for 3 s;
+    /// see [`Node::is_ending`]. With `land` it is commanded to land instead.
     pub fn release(&mut self, land: bool) {
-        self.gate.set_request(Request::Release);
         if land {
-            self.autopilot.land(self.timebase.now_ms());
+            self.order(Autopilot::land);
+        } else {
+            self.end(self.gate.is_flying());
         }
     }
 
-    /// Whether a command waits for the autopilot's COMMAND_ACK.
+    /// Orders a return or a landing of a vehicle that nobody else flies.
+    fn order(&mut self, order: fn(&mut Autopilot, i64)) {
+        self.end(false);
+        if self.autopilot.takes_orders() {
+            self.gate.set_request(Request::Return);
+            order(&mut self.autopilot, self.timebase.now_ms());
+        } else {
+            let (mode, armed) = (self.autopilot.mode_name(), if self.autopilot.is_armed() { "" } else { "dis" });
+            let text = format!("not commanded: the vehicle is {armed}armed, in {mode}, and not this node's");
+            self.answers.push(Notice::warning(text));
+        }
+    }
+
+    /// Releases control at once or, with `brake`, once the vehicle stands still.
+    fn end(&mut self, brake: bool) {
+        // Nothing starts by itself after an order of the operator.
+        self.started = true;
+        if !brake {
+            self.ending = None;
+            self.gate.set_request(Request::Release);
+        } else if self.ending.is_none() {
+            self.ending = Some(Ending::new(self.timebase.now_ms()));
+            self.answers.push(Notice::info("braking before the vehicle is let go"));
+        }
+    }
+
+    /// Whether the end of the flight is still under way: the vehicle is being braked, or a command waits
+    /// for the autopilot's COMMAND_ACK.
     #[must_use]
-    pub fn awaits_ack(&self) -> bool {
-        self.autopilot.awaits_ack()
+    pub fn is_ending(&self) -> bool {
+        self.ending.is_some() || self.autopilot.awaits_ack()
     }
 
     /// Counts steps from this Unix time, ms, instead of the mission's epoch; with `None` there are no
@@ -249,6 +291,7 @@ impl<'a> Node<'a> {
     /// Runs the node's timers. To be called after each turn of receiving, and at least every 50 ms.
     pub fn tick(&mut self, now: HostTime, out: &mut NodeOutput) {
         self.advance_clock(now);
+        out.notices.append(&mut self.answers);
         let advice = self.autopilot.advice();
         let advice = advice.as_deref().unwrap_or(&self.settings.advice);
         out.notices.extend(self.links.check_silence(now, advice));
@@ -345,14 +388,24 @@ impl<'a> Node<'a> {
             mission: &self.settings.mission,
             id: self.settings.id,
             feed_forward: self.settings.feed_forward,
-            profile: self.decisions.velocity_profile(),
+            // Without a decision the gate brakes.
+            profile: self.decisions.velocity_profile().filter(|_| self.ending.is_none()),
             swarm_ms: self.links.swarm_boot_ms(),
             request: self.gate.take_request(),
         };
         let inputs = gate_inputs(&mut self.autopilot, &context, now);
-        let output = self.gate.tick(&inputs, now, filter, self.autopilot.firmware());
+        let mut output = self.gate.tick(&inputs, now, filter, self.autopilot.firmware());
+        if let Some(ending) = self.ending {
+            // That the gate holds is no news: the operator was told of the braking.
+            output.notice = output.notice.filter(|_| !matches!(self.gate.verdict(), Verdict::Hold(..)));
+            if ending.is_over(&inputs, &self.gate.verdict(), self.timebase.now_ms()) {
+                output.setpoint = last_setpoint(&self.gate.verdict());
+                self.end(false);
+            }
+        }
         out.notices.extend(output.notice);
-        if output.return_home {
+        // An order of the operator is under way already, and may be a landing.
+        if output.return_home && !self.autopilot.has_order() {
             self.autopilot.return_home(self.timebase.now_ms());
         }
         if let Some(setpoint) = &output.setpoint {
@@ -375,6 +428,9 @@ impl<'a> Node<'a> {
         let command = self.autopilot.poll(self.timebase.now_ms(), clearance, &mut out.notices);
         if let Some(command) = command {
             self.send(&command.payload(self.target()), now, out);
+        }
+        if self.autopilot.stage() == Stage::Failed && self.gate.phase() == Phase::BringUp {
+            self.end(false);
         }
     }
 

@@ -5,11 +5,19 @@ use firmware_core::action::Action;
 use firmware_core::gate::Vector;
 use firmware_core::geometry::{SPEED_CAP_U, Vec2};
 
+/// An autopilot goes on with the last setpoint, acceleration and all, for this long: ArduPilot's default
+/// GUID_TIMEOUT, s.
+const STANDING_S: f64 = 3.0;
+/// By then it may be so many times as fast as the greatest speed of the scenario.
+const STANDING_SPEED: f64 = 1.24;
+/// Between two setpoints at 5 Hz, s.
+const PERIOD_S: f64 = 0.2;
+
 /// Which acceleration a setpoint feeds forward.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FeedForward {
-    /// The acceleration of the velocity ramp, and zero once the velocity is reached: what an autopilot
-    /// tracks best.
+    /// The acceleration of the velocity ramp, and zero once the velocity is reached. It is limited to what
+    /// a vehicle whose node dies survives: see `docs/safety.md`.
     #[default]
     Ramp,
     /// The action's own acceleration, all the time: a simulator with the scenario's own dynamics
@@ -29,6 +37,8 @@ pub struct VelocityProfile {
     to_mps: [f64; 2],
     ramp_s: f64,
     action_mps2: [f64; 2],
+    /// Greatest speed of a vehicle that goes on with a setpoint for [`STANDING_S`], m/s.
+    standing_mps: f64,
 }
 
 impl VelocityProfile {
@@ -47,6 +57,7 @@ impl VelocityProfile {
             to_mps,
             ramp_s: change / scale.mps2(SPEED_CAP_U as f32),
             action_mps2: [ax, ay].map(|a| scale.mps2(a)),
+            standing_mps: STANDING_SPEED * scale.mps(SPEED_CAP_U as f32),
         }
     }
 
@@ -63,14 +74,34 @@ impl VelocityProfile {
         let ramping = passed_s < self.ramp_s;
         let done = if ramping { (passed_s / self.ramp_s).max(0.0) } else { 1.0 };
         let velocity = |axis: usize| self.from_mps[axis] + (self.to_mps[axis] - self.from_mps[axis]) * done;
-        let acceleration = |axis: usize| match feed_forward {
-            FeedForward::Action => self.action_mps2[axis],
-            FeedForward::Ramp if ramping => (self.to_mps[axis] - self.from_mps[axis]) / self.ramp_s,
-            FeedForward::Ramp => 0.0,
+        let velocity = [0, 1].map(velocity);
+        let acceleration = match feed_forward {
+            FeedForward::Action => self.action_mps2,
+            FeedForward::Ramp if ramping => {
+                let ramp = [0, 1].map(|axis| (self.to_mps[axis] - self.from_mps[axis]) / self.ramp_s);
+                // No more than the next setpoint has made of it, and none for what it would do alone.
+                let consumed = ((self.ramp_s - passed_s.max(0.0)) / PERIOD_S).min(1.0);
+                let share = consumed.min(standing_share(velocity, ramp, self.standing_mps));
+                ramp.map(|a| a * share)
+            }
+            FeedForward::Ramp => [0.0; 2],
         };
         let vector = |v: [f64; 2]| Vector::new(thousandths(v[0]), thousandths(v[1]));
-        (vector([0, 1].map(velocity)), vector([0, 1].map(acceleration)))
+        (vector(velocity), vector(acceleration))
     }
+}
+
+/// The greatest share of `acceleration`, 0 to 1, with which a vehicle at `velocity` is no faster than
+/// `speed` after [`STANDING_S`]: the greater solution of |v + s·a·t|² = speed².
+fn standing_share(velocity: [f64; 2], acceleration: [f64; 2], speed: f64) -> f64 {
+    let gain = acceleration.map(|a| a * STANDING_S);
+    let square = gain[0] * gain[0] + gain[1] * gain[1];
+    if square < 1e-9 {
+        return 0.0;
+    }
+    let along = velocity[0] * gain[0] + velocity[1] * gain[1];
+    let excess = velocity[0] * velocity[0] + velocity[1] * velocity[1] - speed * speed;
+    ((-along + (along * along - square * excess).max(0.0).sqrt()) / square).clamp(0.0, 1.0)
 }
 
 /// Metres to millimetres, rounded to the nearest; likewise m/s to mm/s and m/s² to mm/s².
@@ -93,8 +124,8 @@ mod tests {
         // 4 u/step² east from rest: 5 m/s after 2 s at 2.5 m/s².
         let profile = VelocityProfile::new(action(0), u32::MAX - 499, Vec2::default(), [0.0, 0.0], SCALE);
         let at = |ms: u32| profile.at((u32::MAX - 499).wrapping_add(ms), FeedForward::Ramp);
-        assert_eq!(at(0), (Vector::new(0, 0), Vector::new(2500, 0)));
-        assert_eq!(at(1000), (Vector::new(2500, 0), Vector::new(2500, 0)));
+        assert_eq!(at(0), (Vector::new(0, 0), Vector::new(2067, 0)));
+        assert_eq!(at(1000), (Vector::new(2500, 0), Vector::new(1233, 0)));
         assert_eq!(at(2000), (Vector::new(5000, 0), Vector::new(0, 0)));
         assert_eq!(at(9000), (Vector::new(5000, 0), Vector::new(0, 0)));
     }

@@ -50,7 +50,7 @@ pub(super) fn fly_world(
     let epoch_ms = Arc::new(AtomicI64::new(RunControl::NO_EPOCH));
     let control = || {
         let (stop, epoch_ms) = (Arc::clone(&landed), Arc::clone(&epoch_ms));
-        RunControl { stop, land: false, epoch_ms, commands: None }
+        RunControl { stop, land: false, brake: false, epoch_ms, commands: None }
     };
     let (events, received) = channel();
     thread::scope(|scope| {

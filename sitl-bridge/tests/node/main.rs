@@ -1,11 +1,14 @@
 //! Nodes against scripted vehicles, in virtual time, through the public interface.
 
+mod ending;
 mod faults;
 mod flight;
 mod identity;
 mod keys;
 mod neighbours;
+mod orders;
 mod robust;
+mod standing;
 mod vehicle;
 
 use firmware_core::gate::Reason;
@@ -306,7 +309,10 @@ fn released_it_falls_silent_or_lands() {
     flight.node.release(false);
     let before = flight.vehicle.setpoints.len();
     flight.ticks(20);
-    assert_eq!((flight.vehicle.setpoints.len(), flight.vehicle.custom_mode), (before, 4));
+    // It stands: one setpoint says so, and no more.
+    let last = &flight.vehicle.setpoints[before..];
+    assert!(last.len() == 1 && last[0].velocity == [0.0; 2] && last[0].acceleration == [0.0; 2], "{last:?}");
+    assert_eq!(flight.vehicle.custom_mode, 4);
     let mut flight = flying(5, Firmware::Px4);
     flight.node.release(true);
     flight.ticks(20);

@@ -31,6 +31,9 @@ pub struct Vehicle {
     pub height_mm: f64,
     pub velocity: [f64; 2],
     target_mm: Option<f64>,
+    /// Velocity changes by no more than this, m/s²; at once where there is none.
+    pub acceleration_mps2: Option<f64>,
+    asked: [f64; 2],
     pub healthy: bool,
     pub battery: i8,
     /// Commands heard: MAV_CMD and the parameters.
@@ -77,6 +80,8 @@ impl Vehicle {
             height_mm: 0.0,
             velocity: [0.0; 2],
             target_mm: None,
+            acceleration_mps2: None,
+            asked: [0.0; 2],
             healthy: true,
             battery: 90,
             commands: Vec::new(),
@@ -108,6 +113,11 @@ impl Vehicle {
         let dt = f64::from(TICK_MS) / 1000.0;
         if let Some(target) = self.target_mm {
             self.height_mm += (target - self.height_mm).clamp(-500.0, 500.0);
+        }
+        if let Some(acceleration) = self.acceleration_mps2 {
+            let change = [0, 1].map(|axis| self.asked[axis] - self.velocity[axis]);
+            let share = (acceleration * dt / change[0].hypot(change[1]).max(1e-9)).min(1.0);
+            self.velocity = [0, 1].map(|axis| self.velocity[axis] + change[axis] * share);
         }
         self.place.east_mm += self.velocity[0] * dt * 1000.0;
         self.place.north_mm += self.velocity[1] * dt * 1000.0;
@@ -304,7 +314,10 @@ impl Vehicle {
         };
         self.setpoints.push(setpoint);
         if self.is_guided() {
-            self.velocity = setpoint.velocity.map(f64::from);
+            self.asked = setpoint.velocity.map(f64::from);
+            if self.acceleration_mps2.is_none() {
+                self.velocity = self.asked;
+            }
         }
     }
 

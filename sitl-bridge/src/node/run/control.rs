@@ -26,6 +26,9 @@ pub struct RunControl {
     pub stop: Arc<AtomicBool>,
     /// Whether the vehicle is commanded to land at the end.
     pub land: bool,
+    /// Whether it is braked at the end before it is let go. A simulation that ends with its vehicles needs
+    /// no braking.
+    pub brake: bool,
     /// When step 0 starts, Unix time in ms: [`RunControl::OWN_EPOCH`] for the mission's epoch,
     /// [`RunControl::NO_EPOCH`] for never.
     pub epoch_ms: Arc<AtomicI64>,
@@ -42,6 +45,6 @@ impl RunControl {
     /// A control that ends the flight with `stop`, with the mission's own epoch and no operator.
     #[must_use]
     pub fn new(stop: Arc<AtomicBool>, land: bool) -> Self {
-        Self { stop, land, epoch_ms: Arc::new(AtomicI64::new(Self::OWN_EPOCH)), commands: None }
+        Self { stop, land, brake: true, epoch_ms: Arc::new(AtomicI64::new(Self::OWN_EPOCH)), commands: None }
     }
 }

@@ -24,8 +24,8 @@ const SWARM_PER_TURN: usize = 64;
 const WAIT: Duration = Duration::from_millis(20);
 /// Between two [`NodeEvent::Status`], ms.
 const STATUS_MS: u64 = 500;
-/// How long the COMMAND_ACK of a landing is waited for at the end, ms.
-const LANDING_MS: u64 = 3000;
+/// How long the end of the flight may take, ms: braking, or the COMMAND_ACK of a landing.
+const ENDING_MS: u64 = 4000;
 /// Errors of a link are reported this often, ms.
 const ERROR_MS: u64 = 10_000;
 
@@ -61,10 +61,10 @@ pub fn run(
     }
     let parting = if control.land { OperatorCommand::Land } else { OperatorCommand::Release };
     event_loop.command(node, &mut links, parting);
-    let until = event_loop.now().wall_ms + LANDING_MS;
+    let until = event_loop.now().wall_ms + if control.brake { ENDING_MS } else { 0 };
     loop {
         event_loop.run_turn(node, &mut links)?;
-        if !node.awaits_ack() || event_loop.now().wall_ms >= until {
+        if !node.is_ending() || event_loop.now().wall_ms >= until {
             break;
         }
     }
