@@ -107,7 +107,9 @@ impl RecordingInfo {
     /// # Errors
     /// See [`RecordingError`].
     pub fn of<R: Read>(log: &mut TlogReader<R>, id: Option<u16>, system: Option<u8>) -> Result<Self, RecordingError> {
-        let (mut nodes, mut ids) = (BTreeMap::new(), BTreeSet::new());
+        let (mut nodes, mut ids) = (BTreeSet::new(), BTreeSet::new());
+        // The vehicle that each node first addressed.
+        let mut vehicles = BTreeMap::new();
         let (mut records, mut bytes) = (0, 0);
         let mut brought_up = BTreeSet::new();
         for record in &mut *log {
@@ -117,26 +119,32 @@ impl RecordingInfo {
             if is_neighbour(&frame) {
                 ids.extend(frame.system().checked_sub(1).map(u16::from));
             } else if frame.component() == COMPONENT {
-                if frame.message_id() == id::SET_POSITION_TARGET_LOCAL_NED {
-                    let to = SetPositionTargetLocalNed::target_system(frame.payload());
-                    nodes.entry(frame.system()).or_insert(to);
-                } else if frame.message_id() == id::COMMAND_LONG
-                    && BRING_UP.contains(&CommandLong::read(frame.payload()).command)
-                {
-                    brought_up.insert(frame.system());
-                }
+                let to = match frame.message_id() {
+                    id::SET_POSITION_TARGET_LOCAL_NED => {
+                        nodes.insert(frame.system());
+                        SetPositionTargetLocalNed::target_system(frame.payload())
+                    }
+                    id::COMMAND_LONG => {
+                        if BRING_UP.contains(&CommandLong::read(frame.payload()).command) {
+                            brought_up.insert(frame.system());
+                        }
+                        CommandLong::target_system(frame.payload())
+                    }
+                    _ => continue,
+                };
+                vehicles.entry(frame.system()).or_insert(to);
             }
         }
         if records == 0 {
             return Err(RecordingError::NoFrames { bytes: bytes + log.skipped() });
         }
-        nodes.retain(|&node, _| system.is_none_or(|s| s == node));
-        let system = match (nodes.keys().next(), nodes.len()) {
+        nodes.retain(|&node| system.is_none_or(|s| s == node));
+        let system = match (nodes.first(), nodes.len()) {
             (Some(&only), 1) => only,
             (None, _) => return Err(RecordingError::NoSetpoints { records, system }),
-            _ => match id.and_then(system_of).filter(|s| nodes.contains_key(s)) {
+            _ => match id.and_then(system_of).filter(|s| nodes.contains(s)) {
                 Some(own) => own,
-                None => return Err(RecordingError::SeveralNodes { systems: nodes.into_keys().collect() }),
+                None => return Err(RecordingError::SeveralNodes { systems: nodes.into_iter().collect() }),
             },
         };
         let ids: Vec<u16> = ids.into_iter().collect();
@@ -147,7 +155,7 @@ impl RecordingInfo {
             (None, _) => return Err(RecordingError::WhichId { system, ids }),
         };
         let took_off = brought_up.contains(&system);
-        let vehicle = nodes.get(&system).copied().unwrap_or(system);
+        let vehicle = vehicles.get(&system).copied().unwrap_or(system);
         Ok(Self { id, system, vehicle, took_off, records, skipped: log.skipped(), cut: log.is_cut() })
     }
 
