@@ -42,6 +42,12 @@ impl CommandLong {
         payload
     }
 
+    /// The system that a payload of message [`id::COMMAND_LONG`] is addressed to.
+    #[must_use]
+    pub fn target_system(payload: &[u8]) -> u8 {
+        Fields(payload).u8(30)
+    }
+
     /// Reads a payload of message [`id::COMMAND_LONG`].
     #[must_use]
     pub fn read(payload: &[u8]) -> Self {

@@ -60,7 +60,9 @@ impl RecordingInfo {
     /// # Errors
     /// See [`RecordingError`].
     pub fn of<R: Read>(log: &mut TlogReader<R>, id: Option<u16>, system: Option<u8>) -> Result<Self, RecordingError> {
-        let (mut nodes, mut ids) = (BTreeMap::new(), BTreeSet::new());
+        let (mut nodes, mut ids) = (BTreeSet::new(), BTreeSet::new());
+        // The vehicle that each node first addressed.
+        let mut vehicles = BTreeMap::new();
         let (mut records, mut bytes) = (0, 0);
         let mut brought_up = BTreeSet::new();
         let mut notes: BTreeMap<u8, Notes> = BTreeMap::new();
@@ -75,27 +77,33 @@ impl RecordingInfo {
             } else if is_neighbour(&frame) {
                 ids.extend(frame.system().checked_sub(1).map(u16::from));
             } else if frame.component() == COMPONENT {
-                if frame.message_id() == id::SET_POSITION_TARGET_LOCAL_NED {
-                    let to = SetPositionTargetLocalNed::target_system(frame.payload());
-                    nodes.entry(frame.system()).or_insert(to);
-                } else if frame.message_id() == id::COMMAND_LONG
-                    && BRING_UP.contains(&CommandLong::read(frame.payload()).command)
-                {
-                    brought_up.insert(frame.system());
-                }
+                let to = match frame.message_id() {
+                    id::SET_POSITION_TARGET_LOCAL_NED => {
+                        nodes.insert(frame.system());
+                        SetPositionTargetLocalNed::target_system(frame.payload())
+                    }
+                    id::COMMAND_LONG => {
+                        if BRING_UP.contains(&CommandLong::read(frame.payload()).command) {
+                            brought_up.insert(frame.system());
+                        }
+                        CommandLong::target_system(frame.payload())
+                    }
+                    _ => continue,
+                };
+                vehicles.entry(frame.system()).or_insert(to);
             }
         }
         if records == 0 {
             return Err(RecordingError::NoFrames { bytes: bytes + log.skipped() });
         }
         times.check()?;
-        nodes.retain(|&node, _| system.is_none_or(|s| s == node));
-        let system = match (nodes.keys().next(), nodes.len()) {
+        nodes.retain(|&node| system.is_none_or(|s| s == node));
+        let system = match (nodes.first(), nodes.len()) {
             (Some(&only), 1) => only,
             (None, _) => return Err(RecordingError::NoSetpoints { records, system }),
-            _ => match id.and_then(system_of).filter(|s| nodes.contains_key(s)) {
+            _ => match id.and_then(system_of).filter(|s| nodes.contains(s)) {
                 Some(own) => own,
-                None => return Err(RecordingError::SeveralNodes { systems: nodes.into_keys().collect() }),
+                None => return Err(RecordingError::SeveralNodes { systems: nodes.into_iter().collect() }),
             },
         };
         let Notes { flight, epoch_ms, flights, .. } = notes.remove(&system).unwrap_or_default();
@@ -117,7 +125,7 @@ impl RecordingInfo {
         };
         let noted = flight.as_ref().and_then(|flight| flight.number::<u8>("take_off"));
         let took_off = noted.map_or_else(|| brought_up.contains(&system), |noted| noted != 0);
-        let vehicle = nodes.get(&system).copied().unwrap_or(system);
+        let vehicle = vehicles.get(&system).copied().unwrap_or(system);
         let (skipped, cut) = (log.skipped(), log.is_cut());
         Ok(Self { id, system, vehicle, took_off, records, skipped, cut, flight, epoch_ms })
     }
