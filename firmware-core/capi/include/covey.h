@@ -139,7 +139,8 @@ int32_t covey_observe(const covey_scene *scene, covey_view *view);
 /* Encodes an observation. */
 int32_t covey_encode(const covey_actor *actor, const int8_t *observation, covey_feature *feature);
 
-/* Decides from the own feature and degree and the features of up to COVEY_NEIGHBOURS neighbours, in the order of covey_view.kept.
+/* Decides from the own feature and degree and the features of up to COVEY_NEIGHBOURS neighbours, in the order of covey_view.kept;
+ * fewer than `degree`, which counts the UAV itself.
  * `neighbours` may be NULL when `count` is 0. Seed, id and step draw the action when `mode` is COVEY_SAMPLE. */
 int32_t covey_decide(const covey_actor *actor, const covey_feature *own, uint8_t degree,
                      const covey_neighbour_feature *neighbours, size_t count,

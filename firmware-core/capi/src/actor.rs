@@ -241,7 +241,8 @@ pub unsafe extern "C" fn covey_decide(
     if neighbours.iter().any(|n| n.values.is_null()) {
         return Status::Null as i32;
     }
-    if neighbours.iter().any(|n| !is_degree(n.degree)) {
+    // The degree counts this UAV too.
+    if count >= usize::from(degree) || neighbours.iter().any(|n| !is_degree(n.degree)) {
         return Status::Argument as i32;
     }
     let width = usize::from(actor.dimensions().feature);

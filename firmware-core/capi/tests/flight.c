@@ -176,10 +176,11 @@ int main(int argc, char **argv) {
     NUMBER(covey_decide(&actor, &own, 1, NULL, 0, 2, 10, 7, 5, &decision));
     NUMBER(covey_decide(&actor, &own, 1, NULL, 1, COVEY_ARGMAX, 10, 7, 5, &decision));
     NUMBER(covey_decide(&actor, &own, 1, features, 17, COVEY_ARGMAX, 10, 7, 5, &decision));
+    NUMBER(covey_decide(&actor, &own, 1, features, 1, COVEY_ARGMAX, 10, 7, 5, &decision));
     features[0].degree = 0;
-    NUMBER(covey_decide(&actor, &own, 1, features, 1, COVEY_ARGMAX, 10, 7, 5, &decision));
+    NUMBER(covey_decide(&actor, &own, 2, features, 1, COVEY_ARGMAX, 10, 7, 5, &decision));
     features[0].values = NULL;
-    NUMBER(covey_decide(&actor, &own, 1, features, 1, COVEY_ARGMAX, 10, 7, 5, &decision));
+    NUMBER(covey_decide(&actor, &own, 2, features, 1, COVEY_ARGMAX, 10, 7, 5, &decision));
     scene.pois = NULL;
     NUMBER(covey_observe(&scene, &view));
     NUMBER(covey_observe(NULL, &view));

@@ -57,6 +57,13 @@ impl Settings {
                 old_names.push(found);
             }
             let key = find(current_name(key))?;
+            // TOML knows no whole number above i64::MAX, which therefore comes as a string.
+            let long = value.as_str().and_then(|text| text.parse::<u64>().ok());
+            if let Some(number) = long.filter(|&n| {
+                n > i64::MAX as u64 && key.bounds.fits(&Value::Integer(0)) && !key.bounds.fits(&Value::Float(0.0))
+            }) {
+                return Err(key.out_of_range(&number.into()));
+            }
             if !key.bounds.fits(value) {
                 let (wanted, found) = (key.bounds.wanted(), value.to_string());
                 return Err(SettingsError::Type { key: &key.name, wanted, found });
@@ -152,6 +159,10 @@ mod tests {
         assert!(say(s.set("uavs=many")).contains("wants a whole number"));
         assert!(say(s.set("uavs=0")).contains("must be 1 to 10000"));
         assert!(say(s.set("uavs=70000")).contains("`uavs` is 70000; it must be 1 to 10000"));
+        assert!(
+            say(s.set("seed=18446744073709551615"))
+                .contains("18446744073709551615; it must be 0 to 9223372036854775807")
+        );
         assert!(say(s.set("uavs=-1")).contains("must be 1 to 10000"));
         assert!(say(s.set("huber=0")).contains("must be above 0"));
         assert!(say(s.set("gamma=nan")).contains("wants a number, not nan"));

@@ -218,7 +218,8 @@ fn flight(file: &[u8]) -> String {
     line(decide("1, NULL, 1, COVEY_ARGMAX", 32));
     line(decide("1, features, 17, COVEY_ARGMAX", 36));
     line(decide("1, features, 1, COVEY_ARGMAX", 36));
-    line(decide("1, features, 1, COVEY_ARGMAX", 32));
+    line(decide("2, features, 1, COVEY_ARGMAX", 36));
+    line(decide("2, features, 1, COVEY_ARGMAX", 32));
     line("covey_observe(&scene, &view) 32".into());
     line("covey_observe(NULL, &view) 32".into());
     line("the actor gives other logits than when it was exported: do not fly; unknown status".into());
