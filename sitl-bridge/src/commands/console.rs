@@ -3,10 +3,14 @@
 use crate::node::OperatorCommand;
 use miette::{IntoDiagnostic as _, Result};
 use std::cell::RefCell;
+use std::io::{self, BufRead, Write as _};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::{io, thread};
+use std::thread;
+
+/// Longest line that is read whole, bytes.
+const LONGEST_LINE: usize = 100;
 
 /// The operator's commands from standard input, for any number of nodes.
 #[derive(Debug, Default)]
@@ -25,7 +29,8 @@ impl Console {
     pub fn listen(&self) {
         let nodes = self.0.take();
         thread::spawn(move || {
-            for line in io::stdin().lines().map_while(Result::ok) {
+            let mut input = io::stdin().lock();
+            while let Some(line) = next_line(&mut input) {
                 let command = match line.trim().to_ascii_lowercase().as_str() {
                     "" => continue,
                     "start" => OperatorCommand::Start,
@@ -33,7 +38,9 @@ impl Console {
                     "return" => OperatorCommand::Return,
                     "land" => OperatorCommand::Land,
                     other => {
-                        eprintln!("`{other}`? start, release, return and land are understood; Ctrl-C ends");
+                        // A closed standard error keeps nobody from listening on.
+                        let answer = "start, release, return and land are understood; Ctrl-C ends";
+                        let _ = writeln!(io::stderr(), "`{other}`? {answer}");
                         continue;
                     }
                 };
@@ -46,7 +53,32 @@ impl Console {
     }
 }
 
-/// A flag that Ctrl-C (SIGINT) and SIGTERM set. The second signal ends the process at once.
+/// The next line, nothing at the end of the input. Bytes that are no UTF-8 are replaced; of a line that is
+/// too long the beginning is returned, and the rest passed over.
+fn next_line(input: &mut impl BufRead) -> Option<String> {
+    let mut line = Vec::new();
+    loop {
+        let bytes = match input.fill_buf() {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+            Err(_) => return None,
+        };
+        if bytes.is_empty() && line.is_empty() {
+            return None;
+        }
+        let end = bytes.iter().position(|&byte| byte == b'\n');
+        let part = end.unwrap_or(bytes.len());
+        let room = LONGEST_LINE - line.len();
+        line.extend_from_slice(&bytes[..part.min(room)]);
+        let (is_end, used) = (end.is_some() || bytes.is_empty(), part + usize::from(end.is_some()));
+        input.consume(used);
+        if is_end {
+            return Some(String::from_utf8_lossy(&line).into_owned());
+        }
+    }
+}
+
+/// A flag that Ctrl-C (SIGINT), SIGTERM and SIGHUP (a lost terminal) set. The second signal ends the process at once.
 ///
 /// # Errors
 /// The system takes no signal handler.
@@ -60,4 +92,20 @@ pub(crate) fn stop_flag() -> Result<Arc<AtomicBool>> {
     })
     .into_diagnostic()?;
     Ok(stop)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_that_cannot_be_read_do_not_end_the_listening() {
+        let mut input = b"start\n\xff\xfe\n".to_vec();
+        input.extend(vec![b'x'; 1_000_000]);
+        input.extend(b"\n\nland");
+        let mut input = io::BufReader::with_capacity(7, io::Cursor::new(input));
+        let lines: Vec<String> = std::iter::from_fn(|| next_line(&mut input)).collect();
+        assert_eq!(lines[..2], ["start".to_owned(), "\u{fffd}\u{fffd}".to_owned()]);
+        assert_eq!((lines[2].len(), &lines[3..]), (LONGEST_LINE, &[String::new(), "land".to_owned()][..]));
+    }
 }

@@ -12,6 +12,7 @@ use crate::status_view::{StatusView, ViewMode};
 use crate::swarm_link::{SwarmAddress, SwarmSocket};
 use firmware_core::gate::Limits;
 use miette::{IntoDiagnostic as _, Result, WrapErr as _};
+use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
@@ -138,6 +139,12 @@ pub(super) const fn parting(airborne: bool, land: bool) -> &'static str {
     }
 }
 
+/// A line on standard output. Where that is closed or its disk is full, the flight and the warnings on
+/// standard error go on.
+fn write_line(line: &serde_json::Value) {
+    let _ = writeln!(std::io::stdout(), "{line}");
+}
+
 /// Prints an event: as a JSON line on standard output, or in words for the operator.
 fn print(event: &NodeEvent, json: bool, view: &mut StatusView) {
     match event {
@@ -146,9 +153,8 @@ fn print(event: &NodeEvent, json: bool, view: &mut StatusView) {
         }
         NodeEvent::StepStarted(step) if json => {
             let ((x, y), (vx, vy)) = (step.state.position.to_u(), step.state.velocity.to_u());
-            println!(
-                "{}",
-                serde_json::json!({"step": step.step, "common_ms": step.common_ms, "u": [x, y], "v": [vx, vy]})
+            write_line(
+                &serde_json::json!({"step": step.step, "common_ms": step.common_ms, "u": [x, y], "v": [vx, vy]}),
             );
         }
         NodeEvent::Decision(d) => {
@@ -157,7 +163,7 @@ fn print(event: &NodeEvent, json: bool, view: &mut StatusView) {
                     "step": d.step, "decision": d.action, "boot_ms": d.boot_ms, "phase_ms": d.phase_ms, "late": d.late,
                     "observation": format!("{:016x}", d.observation), "neighbours": d.neighbours(), "features": d.features,
                 });
-                println!("{line}");
+                write_line(&line);
             } else if d.late {
                 view.print(&format!("warning: step {}: decided {} ms after its beginning", d.step, d.phase_ms));
             }

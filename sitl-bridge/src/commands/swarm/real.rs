@@ -49,6 +49,10 @@ pub(super) struct RealArgs {
     /// Land where they are when this program ends.
     #[arg(long)]
     land_on_exit: bool,
+    /// MAVLink system id of all nodes towards their autopilots; each its id + 1 when left out. With 255
+    /// ArduPilot's ground-station failsafe watches the nodes.
+    #[arg(long, conflicts_with = "sim")]
+    system: Option<u8>,
     /// The autopilots are simulated, and their clocks may run at any speed.
     #[arg(long)]
     simulated: bool,
@@ -86,6 +90,7 @@ impl RealArgs {
                 advice: links.autopilot.advice(),
                 ..Settings::new(id, actor, Arc::clone(&mission))
             };
+            let settings = Settings { system: self.system.unwrap_or(settings.system), ..settings };
             eprintln!("UAV {id}: {}", links.autopilot.describe());
             nodes.push((Node::new(settings, shared.signing.session(Some(id))?).into_diagnostic()?, links));
         }
