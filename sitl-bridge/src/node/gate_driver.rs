@@ -118,10 +118,6 @@ impl GateDriver {
         let period_wall_ms = if self.gate.limits().real_time { u64::from(period_ms) } else { SIMULATION_MS };
         let passed_ms = boot_ms.wrapping_sub(self.asked_boot_ms);
         let passed_wall_ms = now.wall_ms.saturating_sub(self.asked_wall_ms);
-        if self.request.is_some() {
-            // The operator does not wait.
-            return Some(SetpointFilter::NewVerdict);
-        }
         if passed_ms < period_ms && passed_wall_ms < period_wall_ms {
             return None;
         }

@@ -395,11 +395,13 @@ impl<'a> Node<'a> {
         };
         let inputs = gate_inputs(&mut self.autopilot, &context, now);
         let mut output = self.gate.tick(&inputs, now, filter, self.autopilot.firmware());
+        let mut stands = false;
         if let Some(ending) = self.ending {
             // That the gate holds is no news: the operator was told of the braking.
             output.notice = output.notice.filter(|_| !matches!(self.gate.verdict(), Verdict::Hold(..)));
             if ending.is_over(&inputs, &self.gate.verdict(), self.timebase.now_ms()) {
                 output.setpoint = last_setpoint(&self.gate.verdict());
+                stands = true;
                 self.end(false);
             }
         }
@@ -411,6 +413,10 @@ impl<'a> Node<'a> {
         if let Some(setpoint) = &output.setpoint {
             let message = SetPositionTargetLocalNed::new(inputs.now_ms.unwrap_or(0), setpoint);
             self.send(&message.payload(self.target()), now, out);
+        }
+        if stands {
+            // The gate closes behind the last setpoint.
+            self.ask_gate(now, SetpointFilter::NewVerdict, out);
         }
     }
 

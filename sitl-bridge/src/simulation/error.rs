@@ -7,6 +7,7 @@ use crate::node::SettingsError;
 use covey_env::ScenarioError;
 use covey_report::atomic::WriteError;
 use std::io;
+use std::path::PathBuf;
 use thiserror::Error;
 
 /// Why a simulation ended early.
@@ -59,6 +60,14 @@ pub enum SimulationError {
     /// The mission could not be written beside the recordings.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// A recording cannot be made.
+    #[error("the recording {} cannot be made: {source}", path.display())]
+    Recording {
+        /// Its file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
     /// The caller stopped it.
     #[error("stopped")]
     Stopped,

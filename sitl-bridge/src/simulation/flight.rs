@@ -17,8 +17,10 @@ use crate::tlog::TlogWriter;
 use covey_env::World;
 use covey_report::atomic;
 use firmware_core::gate::Limits;
+use std::fs;
 use std::io;
 use std::net::Ipv4Addr;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
 use std::sync::mpsc::channel;
@@ -100,6 +102,24 @@ fn keep_mission(
     Ok(atomic::write(folder.join(format!("world-{index}.toml")), text.as_bytes())?)
 }
 
+/// The recording of UAV `id` in world `index`.
+fn recording(folder: &Path, index: u64, id: usize) -> PathBuf {
+    folder.join(format!("world-{index}-uav-{id}.tlog"))
+}
+
+/// Renames the recordings of a flight that did not begin, so that the next try has files of its own.
+pub(super) fn set_recordings_aside(sim: &Simulation<'_>, index: u64) -> Result<(), SimulationError> {
+    let Some(folder) = &sim.tlogs else { return Ok(()) };
+    for id in 0..sim.scenario.uavs {
+        let path = recording(folder, index, id);
+        if path.exists() {
+            fs::rename(&path, path.with_extension("aborted.tlog"))
+                .map_err(|source| SimulationError::Recording { path, source })?;
+        }
+    }
+    Ok(())
+}
+
 fn open_links(sim: &Simulation<'_>, index: u64, uavs: usize) -> Result<Vec<Links>, SimulationError> {
     let local = Ipv4Addr::LOCALHOST;
     let mut links = Vec::with_capacity(uavs);
@@ -108,8 +128,8 @@ fn open_links(sim: &Simulation<'_>, index: u64, uavs: usize) -> Result<Vec<Links
         let listen = (local, 0).into();
         let swarm = SwarmSocket::open(&SwarmAddress::Peers { listen, peers: Vec::new() })?;
         let tlog = sim.tlogs.as_ref().map(|folder| {
-            TlogWriter::create(&folder.join(format!("world-{index}-uav-{id}.tlog")))
-                .map_err(|source| SimulationError::Thread { id, source })
+            let path = recording(folder, index, id);
+            TlogWriter::create(&path).map_err(|source| SimulationError::Recording { path, source })
         });
         links.push(Links { autopilot, swarm: Some(swarm), tlog: tlog.transpose()? });
     }

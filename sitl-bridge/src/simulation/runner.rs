@@ -1,7 +1,7 @@
 //! Runs a simulation, world after world.
 
 use super::error::SimulationError;
-use super::flight::fly_world;
+use super::flight::{fly_world, set_recordings_aside};
 use super::settings::Simulation;
 use super::summary::Summary;
 use super::world_flight::WorldFlight;
@@ -48,6 +48,7 @@ impl Simulation<'_> {
                 if self.fleet.is_empty() =>
             {
                 eprintln!("world {index}: {error}; once more, slower");
+                set_recordings_aside(self, index)?;
                 fly_world(self, index, &world, SLOW_BRING_UP_SPEED, stop)
             }
             flown => flown,
