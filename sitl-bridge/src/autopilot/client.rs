@@ -15,23 +15,15 @@ use crate::messages::{CommandLong, Heartbeat, Telemetry, mav_cmd};
 const REMIND_MS: i64 = 10_000;
 /// A STATUSTEXT explains a refusal for this long, ms.
 const TEXT_MS: i64 = 10_000;
-/// Without positions for so long, while heartbeats come, the rates are requested again, ms: a rebooted
-/// ArduPilot sends nothing else until it is asked. Each time in vain the wait doubles, to 24 s.
-const POSITIONS_MS: i64 = 3000;
-const MOST_DOUBLED: u32 = 3;
-/// Corrections of the clock are told at once, then summed over this, ms.
-const CORRECTIONS_MS: i64 = 30_000;
 /// MAV_SEVERITY up to which it does: warnings and worse.
 const TEXT_SEVERITY: u8 = 4;
 
-/// An order that failed is given again after this, ms.
-const REPEAT_ORDER_MS: i64 = 2000;
 /// A change of mode that was accepted has this long to show in a heartbeat, ms: longer, and somebody
 /// changed it back.
 const EFFECT_MS: i64 = 2500;
 
 /// Parameters of MAV_CMD_DO_SET_MODE; the first is MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.
-const fn set_mode_params([main, sub]: [f32; 2]) -> [f32; 7] {
+pub(super) const fn set_mode_params([main, sub]: [f32; 2]) -> [f32; 7] {
     [1.0, main, sub, 0.0, 0.0, 0.0, 0.0]
 }
 
@@ -50,30 +42,30 @@ pub struct Autopilot {
     /// The state of the vehicle by its telemetry.
     pub state: VehicleState,
     /// System and component of the autopilot, once identified.
-    target: Option<(u8, u8)>,
-    firmware: Option<Firmware>,
-    identity: Identity,
-    rate_hz: f64,
-    bring_up: BringUp,
-    command: Option<PendingCommand>,
+    pub(super) target: Option<(u8, u8)>,
+    pub(super) firmware: Option<Firmware>,
+    pub(super) identity: Identity,
+    pub(super) rate_hz: f64,
+    pub(super) bring_up: BringUp,
+    pub(super) command: Option<PendingCommand>,
     /// A return or a landing, until the autopilot has left the mode that follows setpoints. It comes before
     /// everything else.
-    order: Option<PendingCommand>,
+    pub(super) order: Option<PendingCommand>,
     /// Index of the next message interval to request.
-    next_rate: usize,
-    stage: Stage,
-    reminded_ms: i64,
+    pub(super) next_rate: usize,
+    pub(super) stage: Stage,
+    pub(super) reminded_ms: i64,
     /// The autopilot's last STATUSTEXT of weight, and when it arrived, ms.
-    last_text: Option<(String, i64)>,
+    pub(super) last_text: Option<(String, i64)>,
     /// When the rates were last requested or a position last came, ms, and how often they were requested
     /// since.
-    positions_ms: i64,
-    asked_again: u32,
+    pub(super) positions_ms: i64,
+    pub(super) asked_again: u32,
     /// Corrections of the clock that were not told yet: how many, and their sum, ms; when the last were.
-    corrections: (u32, i64),
-    corrections_told_ms: i64,
+    pub(super) corrections: (u32, i64),
+    pub(super) corrections_told_ms: i64,
     /// The operator was told that perhaps two vehicles send with this system id.
-    doubt_reported: bool,
+    pub(super) doubt_reported: bool,
 }
 
 impl Autopilot {
@@ -266,77 +258,6 @@ impl Autopilot {
         self.identity.advice().filter(|_| self.target.is_none())
     }
 
-    /// Commands the return to launch.
-    pub fn return_home(&mut self, now_ms: i64) {
-        self.end_flight(Firmware::return_home, now_ms);
-    }
-
-    /// Commands a landing at the present position.
-    pub fn land(&mut self, now_ms: i64) {
-        self.end_flight(Firmware::land, now_ms);
-    }
-
-    fn end_flight(&mut self, mode: fn(Firmware) -> [f32; 2], now_ms: i64) {
-        let Some([main, sub]) = self.firmware.map(mode) else { return };
-        let params = set_mode_params([main, sub]);
-        if !self.order.is_some_and(|order| order.is(mav_cmd::DO_SET_MODE, &params)) {
-            self.order = Some(PendingCommand::new(mav_cmd::DO_SET_MODE, params, now_ms));
-        }
-        // No command of the bring-up follows.
-        self.command = self.command.filter(|command| command.command() == mav_cmd::SET_MESSAGE_INTERVAL);
-    }
-
-    /// The return or landing to send now. It is repeated until the autopilot has left the mode that follows
-    /// setpoints, whatever its answer.
-    fn poll_order(&mut self, now_ms: i64, notices: &mut Vec<Notice>) -> Option<CommandLong> {
-        let order = self.order.as_mut()?;
-        let polled = order.poll(now_ms);
-        match polled {
-            Ok(message) => message,
-            Err(_) => {
-                self.repeat_order(now_ms, "no answer from the autopilot", notices);
-                None
-            }
-        }
-    }
-
-    /// Begins anew with an order that failed.
-    fn repeat_order(&mut self, now_ms: i64, why: &str, notices: &mut Vec<Notice>) {
-        self.order = self.order.map(|order| order.anew(now_ms + REPEAT_ORDER_MS));
-        notices.push(Notice::warning(format!("the return or landing failed: {why}; trying on")));
-    }
-
-    /// Drops an order that was carried out, or whose vehicle somebody else flies by now.
-    fn check_order(&mut self) {
-        if !self.takes_orders() {
-            self.order = None;
-        }
-    }
-
-    /// Whether a return or a landing may be commanded: the vehicle is armed, and in the mode that follows
-    /// setpoints or in the takeoff that was commanded here.
-    #[must_use]
-    pub fn takes_orders(&self) -> bool {
-        let climbs = self.mode() == Some(Mode::TakeoffOrHold) && self.bring_up.has_begun();
-        self.is_armed() && (self.mode() == Some(Mode::Guided) || climbs)
-    }
-
-    /// Whether a return or a landing is under way.
-    #[must_use]
-    pub const fn has_order(&self) -> bool {
-        self.order.is_some()
-    }
-
-    /// A vehicle that climbs has taken off, whatever became of the COMMAND_ACK.
-    fn note_climb(&mut self, now_ms: i64) {
-        if let Some(command) = self.command.as_mut().filter(|c| c.command() == mav_cmd::NAV_TAKEOFF)
-            && !command.is_accepted()
-            && self.bring_up.is_climbing(&self.state)
-        {
-            command.accept(now_ms);
-        }
-    }
-
     /// Whether a command waits for its COMMAND_ACK.
     #[must_use]
     pub fn awaits_ack(&self) -> bool {
@@ -356,64 +277,6 @@ impl Autopilot {
                 notices.push(Notice::warning(format!("this vehicle cannot be flown: {unsupported}")));
             }
         }
-    }
-
-    /// Requests the message intervals one after another.
-    fn subscribe(&mut self, now_ms: i64) {
-        if self.command.is_some_and(|command| command.is_accepted()) {
-            self.next_rate += 1;
-            self.command = None;
-        }
-        let Some(&(id, hz)) = message_rates(self.firmware, self.rate_hz).get(self.next_rate) else {
-            (self.stage, self.positions_ms) = (Stage::Idle, now_ms);
-            return;
-        };
-        let interval_us = (1e6 / hz).round() as f32;
-        self.request(mav_cmd::SET_MESSAGE_INTERVAL, [id as f32, interval_us, 0.0, 0.0, 0.0, 0.0, 0.0], now_ms);
-    }
-
-    /// Requests the rates again when heartbeats come and positions do not, as after a reboot.
-    fn check_rates(&mut self, now_ms: i64, notices: &mut Vec<Notice>) {
-        let wait_ms = POSITIONS_MS << self.asked_again.min(MOST_DOUBLED);
-        let waits = matches!(self.stage, Stage::Idle | Stage::Flying) && !self.has_order();
-        if !waits || now_ms - self.positions_ms < wait_ms {
-            return;
-        }
-        if self.asked_again == 0 {
-            notices.push(Notice::info("heartbeats come, and positions do not: asking for the message rates again"));
-        }
-        self.asked_again += 1;
-        (self.stage, self.next_rate, self.command) = (Stage::Subscribing, 0, None);
-    }
-
-    /// Refuses to fly two vehicles at once.
-    fn check_senders(&mut self, notices: &mut Vec<Notice>) {
-        let system = self.target.map_or(0, |(system, _)| system);
-        match self.state.senders() {
-            Senders::One => {}
-            Senders::Doubtful => {
-                if !std::mem::replace(&mut self.doubt_reported, true) {
-                    notices.push(Notice::warning(format!(
-                        "many messages of system {system} come out of order: do two vehicles send with this system id?"
-                    )));
-                }
-            }
-            Senders::Two => self.give_up(
-                &format!("two vehicles send as system {system}: give each its own (MAV_SYSID, PX4: MAV_SYS_ID)"),
-                notices,
-            ),
-        }
-    }
-
-    /// Tells of corrections of the clock: of the first at once, of others summed up.
-    fn report_corrections(&mut self, now_ms: i64, notices: &mut Vec<Notice>) {
-        let (count, sum) = self.corrections;
-        if count == 0 || now_ms - self.corrections_told_ms < CORRECTIONS_MS {
-            return;
-        }
-        (self.corrections, self.corrections_told_ms) = ((0, 0), now_ms);
-        let times = if count == 1 { String::new() } else { format!("{count} times, ") };
-        notices.push(Notice::warning(format!("the autopilot corrected its clock {times}by {sum} ms")));
     }
 
     /// Goes on towards flight, as far as the gate allows.
@@ -489,7 +352,7 @@ impl Autopilot {
     }
 
     /// Makes this the command under way, unless it is already.
-    fn request(&mut self, command: u16, params: [f32; 7], now_ms: i64) {
+    pub(super) fn request(&mut self, command: u16, params: [f32; 7], now_ms: i64) {
         if !self.command.is_some_and(|pending| pending.is(command, &params)) {
             self.command = Some(PendingCommand::new(command, params, now_ms));
         }
@@ -540,13 +403,13 @@ impl Autopilot {
         self.give_up(&reason, notices);
     }
 
-    fn give_up(&mut self, reason: &str, notices: &mut Vec<Notice>) {
+    pub(super) fn give_up(&mut self, reason: &str, notices: &mut Vec<Notice>) {
         notices.push(Notice::warning(format!("not flying: {reason}")));
         (self.command, self.stage) = (None, Stage::Failed);
     }
 
     /// The autopilot's last STATUSTEXT, if it is recent enough to explain a refusal.
-    fn explanation(&self, now_ms: i64) -> String {
+    pub(super) fn explanation(&self, now_ms: i64) -> String {
         match &self.last_text {
             Some((text, at)) if now_ms - at <= TEXT_MS => format!(": {text}"),
             _ => String::new(),

@@ -23,8 +23,10 @@ mod identity;
 mod message_rates;
 mod notice;
 mod odometry;
+mod orders;
 mod shared_id;
 mod stage;
+mod supervision;
 mod vehicle_state;
 
 pub(crate) use client::{Autopilot, Clearance};
