@@ -22,7 +22,7 @@ pub struct VecEnv {
 }
 
 /// Seed of the on-board random numbers of training episode `episode`.
-fn policy_seed(seed: u64, episode: u64) -> u64 {
+fn training_policy_seed(seed: u64, episode: u64) -> u64 {
     // SplitMix64's increment keeps neighbouring episodes far apart; the board mixes on.
     (seed ^ 0x7261_696e).wrapping_add(episode.wrapping_mul(0x9e37_79b9_7f4a_7c15))
 }
@@ -68,7 +68,7 @@ impl VecEnv {
         for (k, world) in self.worlds.iter_mut().enumerate() {
             let episode = first_episode + k as u64;
             world.reset(s.seed, episode);
-            self.policy_seeds[k] = policy_seed(s.seed, episode);
+            self.policy_seeds[k] = training_policy_seed(s.seed, episode);
             self.observers[k].begin(s, self.policy_seeds[k]);
         }
     }

@@ -5,9 +5,10 @@
 //! behind the whole block. Each block is written with the newest timestamp of each sender.
 
 use super::timestamp::Timestamp;
+use covey_report::atomic;
 use std::collections::BTreeMap;
 use std::fs::{self, File, TryLockError};
-use std::io::{self, Write as _};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
@@ -196,13 +197,7 @@ fn write(path: &Path, saved: &Saved) -> io::Result<()> {
         text += &format!("heard {system} {component} {link} {}\n", newest.ticks());
     }
     text += END;
-    let fresh = beside(path, "new");
-    let mut file = File::create(&fresh)?;
-    file.write_all(text.as_bytes())?;
-    file.sync_all()?;
-    fs::rename(&fresh, path)?;
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    File::open(folder)?.sync_all()
+    atomic::write(path, text.as_bytes()).map_err(|error| error.source)
 }
 
 fn parse(text: &str) -> Option<Saved> {
