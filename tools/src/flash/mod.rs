@@ -28,7 +28,7 @@ pub struct Args {
     /// The board to flash.
     #[arg(long, value_enum)]
     board: Option<Board>,
-    /// The computer to install on, by ssh: user@host, user@host:port, user@[IPv6]:port or ssh://….
+    /// The computer to install on, by ssh: user@host, user@host:port, `user@[IPv6]:port` or ssh://….
     #[arg(long, value_name = "USER@HOST")]
     host: Option<String>,
     /// The actor file to put there.
