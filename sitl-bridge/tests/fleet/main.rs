@@ -154,7 +154,7 @@ fn the_autopilot_keeps_what_the_node_lets_go() {
     }
     // The pilot has it at once and for good.
     flight.said(3, "no setpoints: mode_left");
-    assert!(flight.find(3, "timeout").is_none() && flight.find(3, "failsafe").is_none());
+    assert!(flight.find(3, "timeout").is_none() && flight.find(3, "failsafe").is_none(), "{}", flight.story(3));
     flight.never_retaken(3);
     // Without a link the autopilot's timeout stops it; then it misses the node's heartbeat and returns. When the link
     // is back the node sees that and keeps still.

@@ -80,7 +80,9 @@ impl Swarm {
                 if let Some(sequence) = plan.sequence {
                     node.set_sequence(sequence);
                 }
-                let (control, send) = (RunControl::new(Arc::clone(&stop), false), send.clone());
+                // The fleet ends with the flight: while some nodes braked, the others' silence would be a failsafe.
+                let control = RunControl { brake: false, ..RunControl::new(Arc::clone(&stop), false) };
+                let send = send.clone();
                 thread::spawn(move || run(&mut node, links, &control, usize::from(id), &send))
             })
             .collect();
