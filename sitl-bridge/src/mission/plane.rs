@@ -152,20 +152,6 @@ mod tests {
     }
 
     #[test]
-    fn metres_per_degree_are_those_of_the_equator() {
-        // A degree of the globe is 111.32 km; at 60 degrees a degree of longitude is half of it.
-        let [north, east] = mm_per_unit(60.0).map(|mm| mm * 1e4);
-        assert!((north - 111_318.8).abs() < 0.1 && (east - 55_659.4).abs() < 0.1, "{north} {east}");
-    }
-
-    #[test]
-    fn the_default_scale_is_the_scenarios() {
-        assert_eq!(SCALE.mps(4.0), 5.0);
-        assert_eq!(SCALE.mps2(4.0), 2.5);
-        assert_eq!(SCALE.velocity(5.0, -2.5), Vec2 { x: 4096, y: -2048 });
-    }
-
-    #[test]
     fn the_date_line_is_no_edge() {
         let plane = Plane::new(-16.8, 179.998, 0.0).unwrap();
         let place = plane.place(to_e7(-16.8), to_e7(-179.999)).unwrap();
