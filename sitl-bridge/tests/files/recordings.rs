@@ -1,17 +1,20 @@
 //! Recordings as evidence: never written over, saying what was flown, decided again as they were flown, and named as what
 //! they are when they are something else.
 
+#[path = "../node/mission.rs"]
+mod flown;
 #[path = "../node/vehicle.rs"]
 #[allow(dead_code)] // The tests of the node use all of it.
 mod vehicle;
 
 use super::{bridge, words};
-use firmware_core::actor::{Actor, Mode};
+use firmware_core::actor::Actor;
 use firmware_core::gate::Limits;
 use firmware_core::geometry::Vec2;
+use flown::mission;
 use sitl_bridge::autopilot::Firmware;
 use sitl_bridge::frame::{Encoder, Frame, Source};
-use sitl_bridge::mission::{Layers, Mission, Plane, PoiMap, Scale, square_fence};
+use sitl_bridge::mission::{Mission, PoiMap};
 use sitl_bridge::node::{FeedForward, HostTime, Node, NodeOutput, OperatorCommand, Settings, StepTiming, gate_limits};
 use sitl_bridge::replay::{RecordingInfo, Replay, ReplayCheck, ReplayReport};
 use sitl_bridge::signing::{LinkSigning, Session};
@@ -28,20 +31,6 @@ use vehicle::{TICK_MS, Vehicle};
 const START_US: u64 = 1_790_000_000_000_000;
 const ACTOR: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../firmware-core/tests/data/sample-gcn.actor");
 const ID: u16 = 3;
-
-fn mission() -> Mission {
-    Mission {
-        plane: Plane::new(47.397_742, 8.545_594, 488.0).unwrap(),
-        scale: Scale { unit_m: 2.5, step_ms: 2000 },
-        side_u: 200.0,
-        fence: square_fence(200.0, 10.0),
-        layers: Layers { base_m: 10.0, spacing_m: 2.0, count: 4 },
-        pois: vec![Vec2::from_u(97.0, 108.0), Vec2::from_u(104.0, 96.0), Vec2::from_u(118.0, 110.0)],
-        policy_seed: 10,
-        mode: Mode::Sample,
-        epoch_unix_ms: 1_790_000_000_000 - 2000,
-    }
-}
 
 fn settings<'a>(actor: Actor<'a>, mission: &Mission, record: bool) -> Settings<'a> {
     Settings {

@@ -3,6 +3,8 @@
 #[path = "../node/flight.rs"]
 #[allow(dead_code)]
 mod flight;
+#[path = "../node/mission.rs"]
+mod mission;
 #[path = "../node/vehicle.rs"]
 #[allow(dead_code)]
 mod vehicle;

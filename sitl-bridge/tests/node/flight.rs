@@ -1,12 +1,13 @@
 //! A node and its vehicle in virtual time.
 
+pub use crate::mission::mission;
 use crate::vehicle::{TICK_MS, Vehicle};
-use firmware_core::actor::{Actor, Mode};
+use firmware_core::actor::Actor;
 use firmware_core::gate::Limits;
 use firmware_core::geometry::Vec2;
 use sitl_bridge::autopilot::{Firmware, Notice};
 use sitl_bridge::frame::{Frame, Source};
-use sitl_bridge::mission::{Layers, Mission, Plane, PoiMap, Scale, square_fence};
+use sitl_bridge::mission::{Mission, PoiMap};
 use sitl_bridge::node::{
     Decision, FeedForward, HostTime, Node, NodeOutput, Settings, StepStart, StepTiming, gate_limits,
 };
@@ -21,20 +22,6 @@ pub fn actor() -> Actor<'static> {
     let actor = Actor::load(bytes).expect("sound");
     actor.self_test().expect("sound");
     actor
-}
-
-pub fn mission() -> Mission {
-    Mission {
-        plane: Plane::new(47.397_742, 8.545_594, 488.0).unwrap(),
-        scale: Scale { unit_m: 2.5, step_ms: 2000 },
-        side_u: 200.0,
-        fence: square_fence(200.0, 10.0),
-        layers: Layers { base_m: 10.0, spacing_m: 2.0, count: 4 },
-        pois: vec![Vec2::from_u(97.0, 108.0), Vec2::from_u(104.0, 96.0), Vec2::from_u(118.0, 110.0)],
-        policy_seed: 10,
-        mode: Mode::Sample,
-        epoch_unix_ms: 1_790_000_000_000 - 2000,
-    }
 }
 
 pub fn settings(id: u16, mission: &Mission, take_off: bool) -> Settings<'static> {

@@ -5,6 +5,7 @@ mod faults;
 mod flight;
 mod identity;
 mod keys;
+mod mission;
 mod neighbours;
 mod orders;
 mod robust;
