@@ -4,6 +4,8 @@
 #[path = "../../fuzz/checks.rs"]
 mod checks;
 mod common;
+#[path = "../../fuzz/made_inputs.rs"]
+mod made_inputs;
 
 use common::{cells_actor, tiny_actor};
 use firmware_core::actor::{Actor, Aggregation};
@@ -11,55 +13,8 @@ use firmware_core::geometry::{State, Vec2};
 use firmware_core::message::{Beacon, FeatureMessage, Header, MAX_LEN, Message};
 use firmware_core::neighbour_table::Moment;
 use firmware_core::pil::{Hear, MAX_REQUEST, Observe, Request, Setup};
-use rand_xoshiro::Xoshiro128PlusPlus;
-use rand_xoshiro::rand_core::{Rng, SeedableRng};
+use made_inputs::{corpus, run};
 use std::fs;
-use std::path::PathBuf;
-
-fn corpus(target: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus").join(target)
-}
-
-/// Inputs made of a target's corpus in a run of the tests.
-const MADE: u32 = 20_000;
-
-fn run(target: &str, check: fn(&[u8])) {
-    let mut paths: Vec<_> = fs::read_dir(corpus(target)).unwrap().map(|entry| entry.unwrap().path()).collect();
-    paths.sort();
-    let mut inputs: Vec<_> = paths.iter().map(|path| fs::read(path).unwrap()).collect();
-    assert!(!inputs.is_empty());
-    inputs.iter().for_each(|input| check(input));
-    let mut random = Xoshiro128PlusPlus::seed_from_u64(1);
-    for made in 0..MADE {
-        let input = changed(&inputs, &mut random);
-        check(&input);
-        // Some are changed further.
-        if made.is_multiple_of(16) {
-            inputs.push(input);
-        }
-    }
-}
-
-/// One of the inputs with one to four changes, as a fuzzer makes them.
-fn changed(inputs: &[Vec<u8>], random: &mut Xoshiro128PlusPlus) -> Vec<u8> {
-    let mut below = |n: usize| random.next_u32() as usize % n.max(1);
-    let mut input = inputs[below(inputs.len())].clone();
-    for _ in 0..1 + below(4) {
-        let (at, other) = (below(input.len()), &inputs[below(inputs.len())]);
-        let piece = &other[below(other.len())..];
-        let piece = &piece[..below(piece.len() + 1).min(64)];
-        let end = (at + below(16)).min(input.len());
-        match below(6) {
-            0 => input.truncate(at),
-            1 => drop(input.drain(at..end)),
-            2 => drop(input.splice(at..at, piece.iter().copied())),
-            3 => drop(input.splice(at..end, piece.iter().copied())),
-            4 => input.iter_mut().skip(at).take(1).for_each(|byte| *byte = [0, 1, 0x7f, 0x80, 0xff][below(5)]),
-            _ => input.iter_mut().skip(at).take(1).for_each(|byte| *byte ^= 1 << below(8)),
-        }
-    }
-    input
-}
 
 #[test]
 fn actor_files() {
