@@ -10,4 +10,5 @@ pub use batch::{BatchedObservation, ObservationBatch, ObservationSlice, Observat
 pub use features::neighbour_features;
 pub use form::ObservationForm;
 pub use neighbourhood::Neighbourhood;
+pub(crate) use neighbourhood::assert_one_each;
 pub use observer::Observer;

@@ -38,3 +38,13 @@ impl FromIterator<u16> for Neighbourhood {
         neighbourhood
     }
 }
+
+/// Panics when an observer was not given one observation and one neighbourhood for each UAV to write to.
+pub(crate) fn assert_one_each<O>(observations: &[O], neighbourhoods: &[Neighbourhood], uavs: usize) {
+    assert!(
+        observations.len() == uavs && neighbourhoods.len() == uavs,
+        "observe: {} observations and {} neighbourhoods for {uavs} UAVs",
+        observations.len(),
+        neighbourhoods.len()
+    );
+}

@@ -1,6 +1,6 @@
 //! Observations of a world whose UAVs know of each other without loss or delay.
 
-use super::neighbourhood::Neighbourhood;
+use super::neighbourhood::{Neighbourhood, assert_one_each};
 use crate::world::World;
 use firmware_core::geometry::{State, Vec2};
 use firmware_core::observation::{BuildObservation, Neighbour, Neighbours, Scene};
@@ -43,12 +43,7 @@ impl Observer {
         neighbourhoods: &mut [Neighbourhood],
     ) {
         let uavs = world.scenario().uavs;
-        assert!(
-            observations.len() == uavs && neighbourhoods.len() == uavs,
-            "observe: {} observations and {} neighbourhoods for {uavs} UAVs",
-            observations.len(),
-            neighbourhoods.len()
-        );
+        assert_one_each(observations, neighbourhoods, uavs);
         self.fill_beacons(world);
         let half_side = world.scenario().half_side_ticks();
         let mut neighbours = Neighbours::new();

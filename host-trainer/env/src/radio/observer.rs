@@ -3,7 +3,7 @@
 use super::error::RadioError;
 use super::settings::RadioSettings;
 use super::swarm::Swarm;
-use crate::observe::Neighbourhood;
+use crate::observe::{Neighbourhood, assert_one_each};
 use crate::world::World;
 use firmware_core::actor::{Mode, PolicyId};
 use firmware_core::agent::{Agent, AgentSettings};
@@ -63,12 +63,7 @@ impl RadioObserver {
         neighbourhoods: &mut [Neighbourhood],
     ) {
         let uavs = world.scenario().uavs;
-        assert!(
-            observations.len() == uavs && neighbourhoods.len() == uavs,
-            "observe: {} observations and {} neighbourhoods for {uavs} UAVs",
-            observations.len(),
-            neighbourhoods.len()
-        );
+        assert_one_each(observations, neighbourhoods, uavs);
         self.swarm.exchange(world, observations, |agent, _, sequence| feature_without_actor(agent, sequence));
         for (neighbourhood, agent) in neighbourhoods.iter_mut().zip(&self.swarm.agents) {
             // Bit errors make ids that no UAV has.
