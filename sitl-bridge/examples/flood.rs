@@ -4,6 +4,9 @@
 #[path = "../tests/node/flight.rs"]
 #[allow(dead_code)]
 mod flight;
+#[path = "../tests/node/mission.rs"]
+#[allow(dead_code)]
+mod mission;
 #[path = "../tests/node/vehicle.rs"]
 #[allow(dead_code)]
 mod vehicle;
