@@ -82,6 +82,11 @@ impl BringUp {
         }
     }
 
+    /// Altitude to fly at, mm above mean sea level.
+    pub const fn layer_mm(&self) -> i32 {
+        self.layer_mm
+    }
+
     /// In the air, with the takeoff finished.
     pub const fn is_airborne(&self) -> bool {
         self.airborne

@@ -8,6 +8,7 @@ use super::message_rates::message_rates;
 use super::notice::Notice;
 use super::shared_id::Senders;
 use super::stage::Stage;
+use super::strictness::{ParameterWatch, Reliance, StrictCheck};
 use super::vehicle_state::{TelemetryUpdate, VehicleState};
 use crate::messages::{CommandLong, Heartbeat, Telemetry, mav_cmd};
 
@@ -66,6 +67,7 @@ pub struct Autopilot {
     pub(super) corrections_told_ms: i64,
     /// The operator was told that perhaps two vehicles send with this system id.
     pub(super) doubt_reported: bool,
+    pub(super) watch: ParameterWatch,
 }
 
 impl Autopilot {
@@ -73,7 +75,14 @@ impl Autopilot {
     /// sea level; positions are requested at `rate_hz`. It is the autopilot of system `vehicle`; the node
     /// sends as system `own.0`, component `own.1`.
     #[must_use]
-    pub const fn new(state: VehicleState, layer_mm: i32, rate_hz: f64, vehicle: u8, own: (u8, u8)) -> Self {
+    pub const fn new(
+        state: VehicleState,
+        layer_mm: i32,
+        rate_hz: f64,
+        vehicle: u8,
+        own: (u8, u8),
+        reliance: Reliance,
+    ) -> Self {
         Self {
             state,
             target: None,
@@ -92,6 +101,7 @@ impl Autopilot {
             corrections: (0, 0),
             corrections_told_ms: i64::MIN / 2,
             doubt_reported: false,
+            watch: ParameterWatch::new(reliance),
         }
     }
 
@@ -173,6 +183,7 @@ impl Autopilot {
                 }
                 notices.push(Notice { warning: *severity <= TEXT_SEVERITY, text: format!("autopilot: {text}") });
             }
+            Telemetry::Parameter(value) => self.take_parameter(value),
             _ => {}
         }
         let before = self.mode_name();
@@ -182,6 +193,7 @@ impl Autopilot {
                 notices.push(Notice::warning("the vehicle's clock started anew: it booted again, or it jumped"));
                 (self.next_rate, self.command, self.order) = (0, None, None);
                 self.bring_up.reboot();
+                self.watch.restart();
                 if self.stage != Stage::Failed {
                     self.stage = Stage::Subscribing;
                 }
@@ -205,6 +217,7 @@ impl Autopilot {
                 notices.push(Notice::info(format!("mode {before} -> {mode}")));
             }
             self.check_order();
+            self.report_parameters(notices);
         }
         self.bring_up.update(&self.state, self.state.is_armed());
         update
@@ -249,6 +262,7 @@ impl Autopilot {
             self.state.forget_senders();
         }
         (self.command, self.order) = (None, None);
+        self.watch.restart();
         self.bring_up.restart();
     }
 
@@ -284,7 +298,7 @@ impl Autopilot {
         let Some(firmware) = self.firmware else { return };
         let guided = self.mode() == Some(Mode::Guided);
         if self.is_airborne() && guided {
-            if self.stage != Stage::Flying {
+            if self.stage != Stage::Flying && self.may_fly(now_ms, notices) {
                 self.stage = Stage::Flying;
                 self.command = None;
                 notices.push(Notice::info(format!("airborne, {}", firmware.guided_name())));
@@ -303,6 +317,9 @@ impl Autopilot {
         }
         if let Some(reason) = self.taken_over(now_ms) {
             self.give_up(&reason, notices);
+            return;
+        }
+        if !self.may_fly(now_ms, notices) {
             return;
         }
         self.stage = Stage::BringUp;
@@ -327,6 +344,16 @@ impl Autopilot {
             BringUpStep::TakeOff { .. } => {}
             BringUpStep::GiveUp(reason) => self.give_up(&reason, notices),
         }
+    }
+
+    /// Whether the parameters allow a start; if not, the operator is told.
+    fn may_fly(&mut self, now_ms: i64, notices: &mut Vec<Notice>) -> bool {
+        match self.strict_check() {
+            StrictCheck::Pass => return true,
+            StrictCheck::Wait => self.remind(now_ms, notices, || "waiting for the autopilot's parameters".into()),
+            StrictCheck::Refuse(reason) => self.give_up(&reason, notices),
+        }
+        false
     }
 
     /// Who has the vehicle instead of the node, in words: it is armed in another mode before an automatic

@@ -1,5 +1,6 @@
 //! ArduPilot and PX4: how each numbers its flight modes.
 
+use crate::messages::ParameterValue;
 use std::fmt;
 
 /// The autopilot's firmware.
@@ -86,6 +87,14 @@ impl Firmware {
         match self {
             Self::ArduPilot => [9.0, 0.0],
             Self::Px4 => [4.0, 6.0],
+        }
+    }
+
+    /// A parameter's value: PX4 sends the bytes of an integer where ArduPilot sends a float.
+    pub(super) const fn parameter(self, value: &ParameterValue) -> f64 {
+        match self {
+            Self::ArduPilot => value.cast(),
+            Self::Px4 => value.bytewise(),
         }
     }
 

@@ -84,7 +84,7 @@ impl VehicleState {
             Telemetry::SystemTime { unix_us, boot_ms } => return self.system_time(unix_us, boot_ms),
             Telemetry::Global(ref global) => return self.global_position(global),
             Telemetry::Local(ref local) => return self.local_position(local),
-            Telemetry::Ack { .. } | Telemetry::Text { .. } => {}
+            Telemetry::Ack { .. } | Telemetry::Text { .. } | Telemetry::Parameter(_) => {}
         }
         TelemetryUpdate::Other
     }

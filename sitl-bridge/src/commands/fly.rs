@@ -38,6 +38,10 @@ pub(crate) struct Fly {
     /// GUIDED (PX4: OFFBOARD).
     #[arg(long)]
     takeoff: bool,
+    /// Refuse to start while a parameter of the autopilot costs what docs/safety.md says, or is not told;
+    /// otherwise warn.
+    #[arg(long)]
+    strict: bool,
     /// Land where it is when this program ends. Otherwise the autopilot holds the place.
     #[arg(long)]
     land_on_exit: bool,
@@ -93,6 +97,7 @@ impl Fly {
             timing: self.timing.timing(mission.scale.step_ms)?,
             limits: gate_limits(base, &mission),
             take_off: self.takeoff,
+            strict: self.strict,
             rate_hz: f64::from(self.timing.rate_hz()),
             source: autopilot.source(),
             autopilot_signing,

@@ -2,6 +2,7 @@
 
 use super::fields::Fields;
 use super::id;
+use super::parameter::ParameterValue;
 
 /// A decoded message of the autopilot; messages that no decision depends on have no variant.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +19,8 @@ pub enum Telemetry {
         /// `time_boot_ms`: time since boot.
         boot_ms: u32,
     },
+    /// PARAM_VALUE (22).
+    Parameter(ParameterValue),
     /// GPS_RAW_INT (24): GPS_FIX_TYPE; 3 (a 3D fix) and above are good enough to fly.
     GpsFix(u8),
     /// LOCAL_POSITION_NED (32).
@@ -121,6 +124,7 @@ impl Telemetry {
             }),
             id::SYS_STATUS => Self::Battery(percent(30)),
             id::SYSTEM_TIME => Self::SystemTime { unix_us: p.u64(0), boot_ms: p.u32(8) },
+            id::PARAM_VALUE => Self::Parameter(ParameterValue::read(p)),
             id::GPS_RAW_INT => Self::GpsFix(p.u8(28)),
             id::LOCAL_POSITION_NED => Self::Local(LocalPosition {
                 boot_ms: p.u32(0),

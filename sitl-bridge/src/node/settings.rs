@@ -2,6 +2,7 @@
 
 use super::step_timing::StepTiming;
 use super::velocity_profile::FeedForward;
+use crate::autopilot::{Reliance, Speeds};
 use crate::frame::Source;
 use crate::mission::{Mission, PoiMap};
 use crate::signing::LinkSigning;
@@ -49,6 +50,9 @@ pub struct Settings<'a> {
     pub feed_forward: FeedForward,
     /// Whether the node arms the vehicle and takes off by itself.
     pub take_off: bool,
+    /// Whether a start is refused while a parameter of the autopilot costs what `docs/safety.md` says;
+    /// otherwise it is warned of.
+    pub strict: bool,
     /// Rate at which positions are requested, Hz.
     pub rate_hz: f64,
     /// Whether the autopilot's link carries datagrams or a stream.
@@ -79,6 +83,7 @@ impl<'a> Settings<'a> {
             limits: gate_limits(Limits::default(), &mission),
             feed_forward: FeedForward::Ramp,
             take_off: false,
+            strict: false,
             rate_hz: 5.0,
             source: Source::Datagrams,
             autopilot_signing: LinkSigning::off(),
@@ -87,6 +92,14 @@ impl<'a> Settings<'a> {
             advice: String::new(),
             mission,
         }
+    }
+
+    /// What the node wants of the autopilot's parameters.
+    pub(super) fn reliance(&self) -> Reliance {
+        let scale = self.mission.scale;
+        let cap = SPEED_CAP_U as f32;
+        let speeds = Speeds { speed_mps: scale.mps(cap), acceleration_mps2: scale.mps2(cap) };
+        Reliance { strict: self.strict, speeds }
     }
 }
 

@@ -69,6 +69,7 @@ impl<'a> Node<'a> {
             settings.rate_hz,
             settings.vehicle_system,
             (settings.system, COMPONENT),
+            settings.reliance(),
         );
         let decisions = DecisionLoop::new(
             settings.id,
@@ -434,6 +435,9 @@ impl<'a> Node<'a> {
         let command = self.autopilot.poll(self.timebase.now_ms(), clearance, &mut out.notices);
         if let Some(command) = command {
             self.send(&command.payload(self.target()), now, out);
+        }
+        if let Some(request) = self.autopilot.poll_parameters(self.timebase.now_ms()) {
+            self.send(&request.payload(self.target()), now, out);
         }
         if self.autopilot.stage() == Stage::Failed && self.gate.phase() == Phase::BringUp {
             self.end(false);

@@ -44,6 +44,7 @@ fn settings<'a>(actor: Actor<'a>, mission: &Mission, record: bool) -> Settings<'
         limits: gate_limits(Limits::default(), mission),
         feed_forward: FeedForward::Ramp,
         take_off: true,
+        strict: false,
         rate_hz: 5.0,
         source: Source::Datagrams,
         autopilot_signing: LinkSigning::off(),

@@ -8,6 +8,7 @@ mod keys;
 mod mission;
 mod neighbours;
 mod orders;
+mod parameters;
 mod robust;
 mod standing;
 mod vehicle;

@@ -6,6 +6,7 @@ use sitl_bridge::autopilot::Firmware;
 use sitl_bridge::frame::{Encoder, Frame};
 use sitl_bridge::messages::{Telemetry, VELOCITY_AND_ACCELERATION, mav_cmd};
 use sitl_bridge::mission::{Mission, Place};
+use std::collections::BTreeMap;
 
 /// A SET_POSITION_TARGET_LOCAL_NED as it arrived.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +60,10 @@ pub struct Vehicle {
     pub unix_rate: f64,
     /// No positions are sent.
     pub without_positions: bool,
+    /// Parameters that are told when asked for; by default none that costs anything.
+    pub parameters: BTreeMap<&'static str, f32>,
+    /// Names that were asked for.
+    pub asked_for: Vec<String>,
     encoder: Encoder,
     replies: Vec<Frame>,
     ticks: u32,
@@ -67,6 +72,34 @@ pub struct Vehicle {
 }
 
 pub const TICK_MS: u32 = 200;
+
+/// PX4's parameters that are whole numbers.
+const INTEGERS: [&str; 3] = ["COM_OBL_RC_ACT", "NAV_DLL_ACT", "GF_ACTION"];
+
+/// What `docs/safety.md` recommends.
+fn parameters(firmware: Firmware) -> BTreeMap<&'static str, f32> {
+    let all: &[(&str, f32)] = match firmware {
+        Firmware::ArduPilot => &[
+            ("GUID_TIMEOUT", 1.0),
+            ("FS_GCS_ENABLE", 1.0),
+            ("MAV_GCS_SYSID", 1.0),
+            ("MAV_GCS_SYSID_HI", 255.0),
+            ("RTL_ALT_M", 5.0),
+            ("FENCE_ENABLE", 1.0),
+            ("FENCE_ACTION", 1.0),
+            ("FENCE_TYPE", 7.0),
+            ("FENCE_ALT_MAX", 100.0),
+        ],
+        Firmware::Px4 => &[
+            ("COM_OF_LOSS_T", 1.0),
+            ("COM_OBL_RC_ACT", 5.0),
+            ("NAV_DLL_ACT", 2.0),
+            ("RTL_RETURN_ALT", 5.0),
+            ("GF_ACTION", 3.0),
+        ],
+    };
+    all.iter().copied().collect()
+}
 
 impl Vehicle {
     pub fn new(firmware: Firmware, mission: &Mission, at: Vec2) -> Self {
@@ -97,6 +130,8 @@ impl Vehicle {
             waits_for_rates: false,
             unix_rate: 1.0,
             without_positions: false,
+            parameters: parameters(firmware),
+            asked_for: Vec::new(),
             encoder: Encoder::new(7, 1),
             replies: Vec::new(),
             ticks: 0,
@@ -229,10 +264,34 @@ impl Vehicle {
     pub fn hear(&mut self, frame: &Frame) {
         match frame.message_id() {
             0 => self.heartbeats += 1,
+            20 => self.tell_parameter(frame),
             76 => self.obey(frame),
             84 => self.follow(frame),
             other => panic!("the node sent message {other}"),
         }
+    }
+
+    /// Answers PARAM_REQUEST_READ.
+    fn tell_parameter(&mut self, frame: &Frame) {
+        let mut payload = frame.payload().to_vec();
+        payload.resize(20, 0);
+        assert_eq!(payload[..4], [0xff, 0xff, 7, 1], "by name, of this vehicle");
+        let name = String::from_utf8(payload[4..].iter().copied().take_while(|&byte| byte != 0).collect()).unwrap();
+        if let Some(&value) = self.parameters.get(name.as_str()).filter(|_| !self.mute) {
+            let answer = self.parameter(&name, value);
+            self.replies.push(answer);
+        }
+        self.asked_for.push(name);
+    }
+
+    /// PARAM_VALUE, with integers as each autopilot writes them.
+    pub fn parameter(&mut self, name: &str, value: f32) -> Frame {
+        let integer = self.firmware == Firmware::Px4 && INTEGERS.contains(&name);
+        let (bytes, kind) = if integer { ((value as i32).to_le_bytes(), 6) } else { (value.to_le_bytes(), 9) };
+        let mut payload = [&bytes[..], &[0; 4], name.as_bytes()].concat();
+        payload.resize(24, 0);
+        payload.push(kind);
+        self.frame(22, &payload)
     }
 
     fn obey(&mut self, frame: &Frame) {
