@@ -31,6 +31,9 @@ class Autopilot:
     HOLD_MODE: str
     GUIDED_MODE: str
     PARAMETERS: dict[str, float]
+    """Names and defaults."""
+    INTEGERS: frozenset[str] = frozenset()
+    """Parameters whose value is sent as the bytes of an integer."""
 
     def __init__(self, body: Body, emit: Emit, ekf_ready_ms: int) -> None:
         self.body = body
@@ -74,6 +77,10 @@ class Autopilot:
 
     def on_setpoint_timeout(self) -> None:
         """What the autopilot does after a setpoint timeout."""
+        raise NotImplementedError
+
+    def return_height_m(self) -> float:
+        """Height above home to which a return climbs first, m."""
         raise NotImplementedError
 
     def heartbeat_timeout_ms(self) -> float | None:
@@ -135,6 +142,7 @@ class Autopilot:
         self.setpoint_ms = None
         self._timed_out = False
         self._stopped = True
+        self.flight.return_height_m = self.return_height_m()
         self.flight.enter(mode.behaviour)
         self._emit("mode", mode=mode.name, why=why)
         return True

@@ -127,6 +127,7 @@ def _raw(options: argparse.Namespace) -> dict[str, Any]:
         "wind": list(options.wind),
         "gps_noise_m": options.gps_noise,
         "guided_timeout_s": options.guided_timeout,
+        "parameters": dict(options.parameter),
         "seed": options.seed,
         "signing_key_file": options.key_file,
         "faults": faults,
@@ -146,6 +147,14 @@ def _numbers(count: int, example: str):
         return numbers
 
     return read
+
+
+def _parameter(text: str) -> tuple[str, float]:
+    name, _, value = text.partition("=")
+    try:
+        return name, float(value)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"a name and a number such as FS_GCS_ENABLE=1, not {text!r}") from None
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -182,6 +191,14 @@ def _parser() -> argparse.ArgumentParser:
     add("--wind", type=_numbers(2, "4,-1"), default=(0.0, 0.0), metavar="E,N", help="m/s towards east and north")
     add("--gps-noise", type=float, default=0.0, metavar="M", help="standard deviation of the position (0)")
     add("--guided-timeout", type=float, metavar="S", help="stops after so long without setpoints (ardupilot 3, px4 1)")
+    add(
+        "--parameter",
+        action="append",
+        default=[],
+        type=_parameter,
+        metavar="NAME=VALUE",
+        help="a parameter of the autopilots, such as FS_GCS_ENABLE=1; may be repeated",
+    )
     add("--seed", type=int, default=1, help="of the noise (1)")
     add("--key-file", metavar="FILE", help="sign with this key, and take only what is signed with it")
     add("--fault", action="append", default=[], metavar="JSON", help="something that goes wrong; may be repeated")

@@ -49,6 +49,8 @@ class VehicleConfig:
     lon: float = Place.lon
     alt: float = Place.alt
     start_u: tuple[float, float] | None = None
+    parameters: dict[str, float] = field(default_factory=dict)
+    """Values of the autopilot's parameters; the others have their defaults."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,8 @@ class FleetConfig:
     """Who else is on every vehicle's port: kinds of `extras.KINDS`."""
     guided_timeout_s: float | None = None
     """None: the autopilot's own, 3 s for ArduPilot and 1 s for PX4."""
+    parameters: dict[str, float] = field(default_factory=dict)
+    """Values of all autopilots' parameters; a vehicle's own count more."""
     ekf_ready_ms: int = 5_000
     boot_ms: int = 0
     unix_ms: int = 0
@@ -140,6 +144,7 @@ def read(raw: Any) -> FleetConfig:
         faults=faults,
         extra=tuple(top.take("extra", list, [])),
         guided_timeout_s=top.take("guided_timeout_s", _NUMBER, None),
+        parameters=_parameters(top, "the fleet"),
         ekf_ready_ms=round(1000 * top.take("ekf_ready_s", _NUMBER, 5)),
         boot_ms=top.take("boot_ms", int, 0),
         unix_ms=top.take("unix_ms", int, None) or int(time.time() * 1000),
@@ -189,6 +194,7 @@ def _vehicle(raw: Any, origin: Place, start_u: Any) -> VehicleConfig:
         lon=fields.take("lon", _NUMBER, origin.lon),
         alt=fields.take("alt", _NUMBER, origin.alt),
         start_u=None if start is None else _pair(start, "start_u"),
+        parameters=_parameters(fields, "a vehicle"),
     )
     fields.done()
     if not 1 <= vehicle.system <= 254:
@@ -196,6 +202,14 @@ def _vehicle(raw: Any, origin: Place, start_u: Any) -> VehicleConfig:
     if not 1 <= vehicle.port <= 65_535:
         raise ConfigError(f"vehicle {vehicle.id}: the port is 1 to 65535, not {vehicle.port}")
     return vehicle
+
+
+def _parameters(fields: "_Fields", what: str) -> dict[str, float]:
+    values = fields.take("parameters", dict, {})
+    for name, value in values.items():
+        if not _is_number(value):
+            raise ConfigError(f"{what}: parameter {name} is a number, not {value!r}")
+    return values
 
 
 def _place(raw: dict, what: str) -> Place:

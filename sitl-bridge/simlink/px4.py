@@ -32,22 +32,31 @@ class Px4(Autopilot):
         "MAV_SYS_ID": 1.0,
         "COM_OF_LOSS_T": 1.0,
         "COM_DL_LOSS_T": 10.0,
-        "NAV_DLL_ACT": 2.0,
+        "COM_OBL_RC_ACT": 0.0,
+        "NAV_DLL_ACT": 0.0,
         "MPC_XY_VEL_MAX": 12.0,
         "MPC_ACC_HOR": 3.0,
-        "RTL_RETURN_ALT": 15.0,
+        "RTL_RETURN_ALT": 60.0,
+        "GF_ACTION": 2.0,
         "MIS_TAKEOFF_ALT": 2.5,
     }
+
+    INTEGERS = frozenset({"MAV_SYS_ID", "COM_OBL_RC_ACT", "NAV_DLL_ACT", "GF_ACTION"})
+
+    def return_height_m(self) -> float:
+        """RTL_RETURN_ALT."""
+        return self.parameters["RTL_RETURN_ALT"]
 
     def setpoint_timeout_ms(self) -> float:
         """COM_OF_LOSS_T."""
         return self.parameters["COM_OF_LOSS_T"] * 1000.0
 
     def on_setpoint_timeout(self) -> None:
-        """Leaves OFFBOARD for hold."""
-        self.send_text(SEVERITY_CRITICAL, "Failsafe: no offboard signal, hold")
+        """Leaves OFFBOARD as COM_OBL_RC_ACT says; modes for a pilot end in hold, since nobody is at the sticks."""
+        mode = {3: "RTL", 4: "LAND"}.get(int(self.parameters["COM_OBL_RC_ACT"]), self.HOLD_MODE)
+        self.send_text(SEVERITY_CRITICAL, f"Failsafe: no offboard signal, {mode}")
         timed_out, stopped = self._timed_out, self._stopped
-        self.change_mode(self._named(self.HOLD_MODE), "failsafe")
+        self.change_mode(self._named(mode), "failsafe")
         self._timed_out, self._stopped = timed_out, stopped
 
     def heartbeat_timeout_ms(self) -> float | None:

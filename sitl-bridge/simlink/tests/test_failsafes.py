@@ -86,7 +86,7 @@ class SetpointTimeout(unittest.TestCase):
 class HeartbeatsMissing(unittest.TestCase):
     def test_it_returns_even_while_setpoints_go_on(self):
         switch = Switch()
-        flight = airborne(switch)
+        flight = airborne(switch, parameters={"FS_GCS_ENABLE": 1})
         switch.now = dict(velocity=(5, 0, 0))
         flight.run_for(10)
         controller = flight.controllers[0]
@@ -103,7 +103,7 @@ class HeartbeatsMissing(unittest.TestCase):
 
     def test_it_flies_home_and_lands(self):
         switch = Switch()
-        flight = airborne(switch)
+        flight = airborne(switch, parameters={"FS_GCS_ENABLE": 1})
         switch.now = dict(velocity=(5, -3, 0))
         flight.run_for(20)
         flight.controllers[0].heartbeats = False
@@ -116,7 +116,7 @@ class HeartbeatsMissing(unittest.TestCase):
     def test_nobody_who_never_spoke_is_missed(self):
         controller = Controller(lambda _: {})
         controller.heartbeats = False
-        flight = Flight(controller)
+        flight = Flight(controller, parameters={"FS_GCS_ENABLE": 1})
         flight.run_for(40)
         self.assertTrue(flight.fleet.vehicles[0].autopilot.is_streaming)
         self.assertEqual(flight.named("failsafe"), [])

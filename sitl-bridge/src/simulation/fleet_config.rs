@@ -36,6 +36,7 @@ pub(super) fn fleet_config(
         "lockstep": sim.speed.is_none(),
         "speed": sim.speed.unwrap_or(bring_up_speed),
         "seed": sim.seed,
+        "parameters": if sim.px4 { json!({"NAV_DLL_ACT": 2}) } else { json!({"FS_GCS_ENABLE": 1}) },
         "signing_key_file": sim.key_file,
         "unix_ms": START_UNIX_MS,
     });
