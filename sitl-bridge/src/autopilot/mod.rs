@@ -13,6 +13,7 @@
 //! | armed | takeoff, until near the layer's altitude |
 //! | takeoff, until near the layer's altitude | setpoints for a second, then OFFBOARD |
 
+mod batteries;
 mod bring_up;
 mod client;
 mod clock;

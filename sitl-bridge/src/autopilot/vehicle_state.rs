@@ -1,5 +1,6 @@
 //! The state of a vehicle by its telemetry: odometry, clocks, health.
 
+use super::batteries::Batteries;
 use super::clock::{ClockUpdate, VehicleClock};
 use super::firmware::{Firmware, Mode};
 use super::odometry::{Odometry, PositionPairing};
@@ -46,8 +47,7 @@ pub struct VehicleState {
     pub estimator: Option<(bool, u32)>,
     /// The last GPS_FIX_TYPE and the `time_boot_ms` when it arrived.
     pub gps_fix: Option<(u8, u32)>,
-    /// Remaining charge, percent.
-    pub battery: Option<u8>,
+    batteries: Batteries,
     /// Whether the vehicle is landed, by EXTENDED_SYS_STATE.
     pub on_ground: Option<bool>,
 }
@@ -66,7 +66,7 @@ impl VehicleState {
             invalid: false,
             estimator: None,
             gps_fix: None,
-            battery: None,
+            batteries: Batteries::default(),
             on_ground: None,
         }
     }
@@ -76,7 +76,8 @@ impl VehicleState {
         let now = self.now_ms();
         match *telemetry {
             Telemetry::Heartbeat(heartbeat) => self.heartbeat = Some((heartbeat, now)),
-            Telemetry::Battery(percent) => self.battery = percent.or(self.battery),
+            Telemetry::Charge(percent) => self.batteries.take_summary(percent, now),
+            Telemetry::Battery(ref battery) => self.batteries.take(battery, now),
             Telemetry::GpsFix(kind) => self.gps_fix = Some((kind, now)),
             Telemetry::Estimator { healthy } => self.estimator = Some((healthy, now)),
             Telemetry::OnGround(on_ground) => self.on_ground = on_ground,
@@ -105,6 +106,12 @@ impl VehicleState {
     #[must_use]
     pub fn is_armed(&self) -> bool {
         self.heartbeat.is_some_and(|(heartbeat, _)| heartbeat.armed)
+    }
+
+    /// The lowest remaining charge of a flight battery, percent.
+    #[must_use]
+    pub fn battery_percent(&self) -> Option<u8> {
+        self.batteries.lowest(self.now_ms())
     }
 
     /// Whether GLOBAL_POSITION_INT and LOCAL_POSITION_NED disagreed when last compared.

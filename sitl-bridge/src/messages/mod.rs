@@ -15,5 +15,5 @@ mod v2_extension;
 pub use fields::Payload;
 pub use outgoing::{CommandLong, SetPositionTargetLocalNed, VELOCITY_AND_ACCELERATION, heartbeat};
 pub use parameter::{ParamRequestRead, ParameterValue};
-pub use telemetry::{GlobalPosition, Heartbeat, LocalPosition, Telemetry};
+pub use telemetry::{BatteryStatus, GlobalPosition, Heartbeat, LocalPosition, Telemetry};
 pub use v2_extension::V2Extension;

@@ -250,7 +250,7 @@ impl<'a> Node<'a> {
             link_ms: self.links.autopilot_age_ms(now),
             swarm_ms: self.links.swarm_age_ms(now),
             neighbours: self.decisions.neighbours(),
-            battery: vehicle.battery,
+            battery: vehicle.battery_percent(),
         }
     }
 

@@ -1,5 +1,6 @@
 //! Nodes against scripted vehicles, in virtual time, through the public interface.
 
+mod batteries;
 mod ending;
 mod faults;
 mod flight;

@@ -11,9 +11,12 @@ use sitl_bridge::node::{OperatorCommand, Settings};
 const ARDUPILOT: Firmware = Firmware::ArduPilot;
 const PX4: Firmware = Firmware::Px4;
 
+/// Names and values of parameters.
+type Values = &'static [(&'static str, f32)];
+
 /// Values that cost something, and how the warning begins. The UAV's layer is 12 m above home and it sends as
 /// system 6.
-const COSTS: &[(Firmware, &[(&str, f32)], &str)] = &[
+const COSTS: &[(Firmware, Values, &str)] = &[
     (ARDUPILOT, &[("GUID_TIMEOUT", 3.0)], "GUID_TIMEOUT is 3: after the node dies the vehicle goes on for up to 25 m"),
     (ARDUPILOT, &[("GUID_TIMEOUT", 0.2)], "GUID_TIMEOUT is 0.2: the vehicle brakes whenever two setpoints are late"),
     (ARDUPILOT, &[("FS_GCS_ENABLE", 0.0)], "FS_GCS_ENABLE is 0: nothing happens when the node dies"),
@@ -54,7 +57,7 @@ const COSTS: &[(Firmware, &[(&str, f32)], &str)] = &[
 ];
 
 /// Values that cost nothing.
-const HARMLESS: &[(Firmware, &[(&str, f32)])] = &[
+const HARMLESS: &[(Firmware, Values)] = &[
     (ARDUPILOT, &[]),
     (ARDUPILOT, &[("GUID_TIMEOUT", 0.6)]),
     (ARDUPILOT, &[("FS_GCS_ENABLE", 5.0)]),

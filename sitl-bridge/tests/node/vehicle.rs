@@ -37,6 +37,8 @@ pub struct Vehicle {
     asked: [f64; 2],
     pub healthy: bool,
     pub battery: i8,
+    /// Batteries told of by themselves: id, MAV_BATTERY_FUNCTION, percent.
+    pub batteries: Vec<(u8, u8, i8)>,
     /// Commands heard: MAV_CMD and the parameters.
     pub commands: Vec<(u16, [f32; 7])>,
     pub setpoints: Vec<Setpoint>,
@@ -117,6 +119,7 @@ impl Vehicle {
             asked: [0.0; 2],
             healthy: true,
             battery: 90,
+            batteries: Vec::new(),
             commands: Vec::new(),
             setpoints: Vec::new(),
             heartbeats: 0,
@@ -178,6 +181,11 @@ impl Vehicle {
             let mut status = [0; 31];
             status[30] = self.battery.to_le_bytes()[0];
             out.push(self.frame(1, &status));
+            for (id, function, percent) in self.batteries.clone() {
+                let mut status = [0; 36];
+                (status[32], status[33], status[35]) = (id, function, percent.to_le_bytes()[0]);
+                out.push(self.frame(147, &status));
+            }
             let (lat, lon) = (self.mission.plane.lat_e7, self.mission.plane.lon_e7);
             out.push(self.frame(49, &[&lat.to_le_bytes()[..], &lon.to_le_bytes(), &[0; 4]].concat()));
             let unix_us = if self.knows_time { self.unix_ms as u64 * 1000 } else { 0 };
