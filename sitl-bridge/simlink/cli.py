@@ -206,8 +206,8 @@ def _parser() -> argparse.ArgumentParser:
         "--extra",
         action="append",
         default=[],
-        choices=extras.KINDS,
-        help="somebody else on every vehicle's port; may be repeated",
+        choices=extras.NAMES,
+        help="somebody else on every vehicle's port, or one more battery; may be repeated",
     )
     add("--json", action="store_true", help="events as JSON lines on stdout")
     return parser

@@ -5,7 +5,8 @@ import time
 from dataclasses import dataclass, field
 from typing import Any
 
-from simlink import extras
+from simlink import batteries, extras
+from simlink.batteries import OtherBattery
 from simlink.faults import Fault, FaultError
 from simlink.geodesy import Plane
 from simlink.ideal import Scale
@@ -73,6 +74,8 @@ class FleetConfig:
     gps_noise_m: float = 0.0
     seed: int = 1
     battery: Battery = field(default_factory=Battery)
+    batteries: tuple[OtherBattery, ...] = ()
+    """Every vehicle's batteries besides the first."""
     signing_key_file: str | None = None
     faults: tuple[Fault, ...] = ()
     extra: tuple[str, ...] = ()
@@ -140,6 +143,7 @@ def read(raw: Any) -> FleetConfig:
             battery_fields.take("percent", _NUMBER, Battery.percent),
             battery_fields.positive("minutes", None),
         ),
+        batteries=tuple(_other_battery(entry) for entry in top.take("batteries", list, [])),
         signing_key_file=top.take("signing_key_file", str, None),
         faults=faults,
         extra=tuple(top.take("extra", list, [])),
@@ -170,8 +174,8 @@ def check(config: FleetConfig) -> None:
     if config.dynamics == "ideal" and (any(config.wind) or config.gps_noise_m):
         raise ConfigError("ideal dynamics know no wind and no noise; set both to 0 or take dynamics point")
     for kind in config.extra:
-        if kind not in extras.KINDS:
-            raise ConfigError(f"there is no extra {kind!r}; known: {', '.join(extras.KINDS)}")
+        if kind not in extras.NAMES:
+            raise ConfigError(f"there is no extra {kind!r}; known: {', '.join(extras.NAMES)}")
     if config.gps_noise_m < 0:
         raise ConfigError("gps_noise_m is negative")
     ids = {vehicle.id for vehicle in config.vehicles}
@@ -202,6 +206,19 @@ def _vehicle(raw: Any, origin: Place, start_u: Any) -> VehicleConfig:
     if not 1 <= vehicle.port <= 65_535:
         raise ConfigError(f"vehicle {vehicle.id}: the port is 1 to 65535, not {vehicle.port}")
     return vehicle
+
+
+def _other_battery(raw: Any) -> OtherBattery:
+    fields = _Fields("a battery", raw)
+    battery = OtherBattery(
+        fields.take("id", int), fields.choice("function", tuple(batteries.FUNCTIONS)), fields.take("percent", _NUMBER)
+    )
+    fields.done()
+    if not 1 <= battery.id <= 255:
+        raise ConfigError(f"the id of another battery is 1 to 255, not {battery.id}")
+    if not 0 <= battery.percent <= 100:
+        raise ConfigError(f"battery {battery.id}: percent is 0 to 100, not {battery.percent}")
+    return battery
 
 
 def _parameters(fields: "_Fields", what: str) -> dict[str, float]:
