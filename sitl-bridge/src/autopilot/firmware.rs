@@ -63,6 +63,20 @@ impl Firmware {
         }
     }
 
+    /// The `custom_mode` in heartbeats of a mode that was set by these parameters 2 and 3 of
+    /// MAV_CMD_DO_SET_MODE.
+    pub(super) const fn custom_mode(self, [main, sub]: [f32; 2]) -> u32 {
+        match self {
+            Self::ArduPilot => main as u32,
+            Self::Px4 => ((sub as u32) << 24) | ((main as u32) << 16),
+        }
+    }
+
+    /// Whether a `custom_mode` is PX4's AUTO.TAKEOFF.
+    pub(super) const fn is_taking_off(self, custom_mode: u32) -> bool {
+        matches!((self, Px4::of(custom_mode)), (Self::Px4, Px4 { main: Px4::AUTO, sub: 2 }))
+    }
+
     /// Parameters 2 and 3 (mode and submode) of MAV_CMD_DO_SET_MODE for GUIDED or OFFBOARD.
     #[must_use]
     pub const fn guided(self) -> [f32; 2] {

@@ -1,7 +1,7 @@
 //! The autopilot's parameters that a node relies on, read one by one beside everything else.
 
+use super::parameter_values::ParameterValues;
 use super::reliance::Rule;
-use std::collections::BTreeMap;
 
 /// Between two requests, ms: a slow radio keeps room for commands.
 const SPACING_MS: i64 = 100;
@@ -13,7 +13,7 @@ const ROUNDS: u8 = 4;
 /// What is known of the parameters.
 #[derive(Clone, Debug)]
 pub(super) struct Parameters {
-    values: BTreeMap<&'static str, f64>,
+    values: ParameterValues,
     /// Rounds of requests that were begun, and the index of the next name in this one.
     round: u8,
     next: usize,
@@ -23,7 +23,7 @@ pub(super) struct Parameters {
 
 impl Parameters {
     pub const fn new() -> Self {
-        Self { values: BTreeMap::new(), round: 0, next: 0, due_ms: i64::MIN / 2, finished: false }
+        Self { values: ParameterValues::new(), round: 0, next: 0, due_ms: i64::MIN / 2, finished: false }
     }
 
     /// Forgets what was answered and asks again.
@@ -36,15 +36,15 @@ impl Parameters {
         self.finished
     }
 
-    /// A parameter's value, once it was answered.
-    pub fn get(&self, name: &str) -> Option<f64> {
-        self.values.get(name).copied()
+    /// What was told so far.
+    pub const fn values(&self) -> &ParameterValues {
+        &self.values
     }
 
     /// Takes in a value. Parameters that nobody relies on are passed over.
     pub fn take(&mut self, rules: &[Rule], name: &str, value: f64) {
         if let Some(name) = names(rules).find(|&known| known == name) {
-            self.values.insert(name, value);
+            self.values.set(name, value);
         }
     }
 
@@ -55,20 +55,20 @@ impl Parameters {
         }
         if self.next == 0 && self.round > 0 {
             // The last round had its time. One that older versions lack is not waited for.
-            let missing = rules.iter().any(|rule| rule.unknown.is_some() && rule.value(self).is_none());
+            let missing = rules.iter().any(|rule| rule.unknown.is_some() && rule.value(&self.values).is_none());
             if !missing || self.round == ROUNDS {
                 self.finished = true;
                 return None;
             }
         }
-        let open = |name: &str| rules.iter().any(|rule| rule.has(name) && rule.value(self).is_none());
+        let open = |name: &str| rules.iter().any(|rule| rule.has(name) && rule.value(&self.values).is_none());
         let found = names(rules).enumerate().skip(self.next).find(|(_, name)| open(name));
         self.round += u8::from(self.next == 0);
         if let Some((index, name)) = found {
             (self.next, self.due_ms) = (index + 1, now_ms + SPACING_MS);
             return Some(name);
         }
-        self.finished = !rules.iter().any(|rule| rule.value(self).is_none());
+        self.finished = !rules.iter().any(|rule| rule.value(&self.values).is_none());
         (self.next, self.due_ms) = (0, now_ms + AGAIN_MS);
         None
     }

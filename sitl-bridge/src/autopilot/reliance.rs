@@ -4,7 +4,7 @@
 //! operators.
 
 use super::firmware::Firmware;
-use super::parameters::Parameters;
+use super::parameter_values::ParameterValues;
 use super::standing::{Speeds, left_standing_m};
 
 /// Longest time without setpoints that costs no more than it must, s; and its rounding.
@@ -24,7 +24,7 @@ pub(super) struct Circumstances<'a> {
     pub speeds: Speeds,
     /// Height of the vehicle's layer above its home, m, once home is known.
     pub layer_m: Option<f64>,
-    pub others: &'a Parameters,
+    pub others: &'a ParameterValues,
 }
 
 /// What is relied on in one parameter.
@@ -45,9 +45,9 @@ impl Rule {
 
     /// The name under which the autopilot told it, the value it told, and that value in the unit of the first
     /// name.
-    pub fn value(&self, parameters: &Parameters) -> Option<(&'static str, f64, f64)> {
+    pub fn value(&self, values: &ParameterValues) -> Option<(&'static str, f64, f64)> {
         self.names.iter().find_map(|&(name, unit)| {
-            let told = parameters.get(name)?;
+            let told = values.get(name)?;
             Some((name, told, told * unit))
         })
     }

@@ -2,51 +2,16 @@
 
 use super::client::Autopilot;
 use super::notice::Notice;
-use super::parameters::Parameters;
 use super::reliance::{Circumstances, Rule, rules};
-use super::standing::Speeds;
 use crate::messages::{ParamRequestRead, ParameterValue};
-use std::collections::BTreeMap;
-
-/// What a node wants of the autopilot's parameters.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reliance {
-    /// Whether a start is refused where a warning is due.
-    pub strict: bool,
-    /// The scenario's greatest speed and acceleration.
-    pub speeds: Speeds,
-}
-
-/// The parameters of one autopilot.
-#[derive(Clone, Debug)]
-pub(super) struct ParameterWatch {
-    reliance: Reliance,
-    parameters: Parameters,
-    /// Warnings that were told, by the rule's first name.
-    told: BTreeMap<&'static str, String>,
-    /// The strict check of this start was passed.
-    passed: bool,
-}
 
 /// What the strict check says to a start.
-pub(super) enum StrictCheck {
+enum StrictCheck {
     Pass,
     /// Answers are still to come.
     Wait,
     /// Refused for this reason.
     Refuse(String),
-}
-
-impl ParameterWatch {
-    pub const fn new(reliance: Reliance) -> Self {
-        Self { reliance, parameters: Parameters::new(), told: BTreeMap::new(), passed: false }
-    }
-
-    /// Begins anew, as for another start.
-    pub fn restart(&mut self) {
-        self.parameters.ask_again();
-        self.passed = false;
-    }
 }
 
 impl Autopilot {
@@ -74,7 +39,7 @@ impl Autopilot {
     }
 
     /// Whether the parameters allow a start.
-    pub(super) fn strict_check(&mut self) -> StrictCheck {
+    fn strict_check(&mut self) -> StrictCheck {
         if !self.watch.reliance.strict || self.watch.passed {
             return StrictCheck::Pass;
         }
@@ -89,6 +54,16 @@ impl Autopilot {
         StrictCheck::Pass
     }
 
+    /// Whether the parameters allow a start; if not, the operator is told.
+    pub(super) fn may_fly(&mut self, now_ms: i64, notices: &mut Vec<Notice>) -> bool {
+        match self.strict_check() {
+            StrictCheck::Pass => return true,
+            StrictCheck::Wait => self.remind(now_ms, notices, || "waiting for the autopilot's parameters".into()),
+            StrictCheck::Refuse(reason) => self.give_up(&reason, notices),
+        }
+        false
+    }
+
     /// What the parameters cost, in words; nothing before all had their time to be answered.
     fn findings(&self) -> Vec<(&'static str, String)> {
         let Some(firmware) = self.firmware.filter(|_| self.watch.parameters.is_finished()) else { return Vec::new() };
@@ -97,7 +72,7 @@ impl Autopilot {
             system: self.identity.own_system(),
             speeds: self.watch.reliance.speeds,
             layer_m: home_mm.map(|home_mm| f64::from(self.bring_up.layer_mm() - home_mm) / 1000.0),
-            others: &self.watch.parameters,
+            others: self.watch.parameters.values(),
         };
         rules(firmware).iter().filter_map(|rule| Some((rule.names[0].0, finding(rule, &at)?))).collect()
     }

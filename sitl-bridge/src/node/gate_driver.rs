@@ -2,8 +2,8 @@
 
 use super::counters::Counters;
 use super::host_time::HostTime;
-use crate::autopilot::{Clearance, Firmware, Notice};
-use firmware_core::gate::{Gate, Inputs, Phase, Reason, Request, Setpoint, Verdict};
+use crate::autopilot::{Clearance, Notice};
+use firmware_core::gate::{FailsafeAction, Gate, Inputs, Phase, Reason, Request, Setpoint, Verdict};
 
 /// Without positions the gate is asked this often, ms: by the vehicle's clock, and in real time by
 /// the host's.
@@ -81,6 +81,12 @@ impl GateDriver {
         matches!(self.gate.phase(), Phase::Flight) && self.verdict.setpoint().is_some()
     }
 
+    /// Whether a cause whose action is the return keeps the gate silent in bring-up.
+    pub const fn gives_up_bring_up(&self) -> bool {
+        let Verdict::Silent(reason) = self.verdict else { return false };
+        matches!((self.gate.phase(), reason.action()), (Phase::BringUp, FailsafeAction::Return))
+    }
+
     /// Takes the operator's request, to hand it to the gate.
     pub const fn take_request(&mut self) -> Option<Request> {
         self.request.take()
@@ -126,21 +132,15 @@ impl GateDriver {
         Some(if since_ms >= SETPOINT_MS { SetpointFilter::Braking } else { SetpointFilter::NewVerdict })
     }
 
-    /// Asks the gate. `firmware` is the autopilot's, once it is known.
-    pub fn tick(
-        &mut self,
-        inputs: &Inputs,
-        now: HostTime,
-        filter: SetpointFilter,
-        firmware: Option<Firmware>,
-    ) -> GateOutput {
+    /// Asks the gate. With `early` setpoints go out in bring-up too: PX4 requires a stream of them before
+    /// OFFBOARD.
+    pub fn tick(&mut self, inputs: &Inputs, now: HostTime, filter: SetpointFilter, early: bool) -> GateOutput {
         let before = self.verdict;
         self.verdict = self.gate.tick(inputs);
         (self.asked_boot_ms, self.asked_wall_ms) = (inputs.now_ms.unwrap_or(0), now.wall_ms);
         let is_new = before.name() != self.verdict.name() || before.reason() != self.verdict.reason();
-        // During bring-up only PX4 is sent setpoints: it requires a stream of them before OFFBOARD.
-        let early = matches!(self.verdict, Verdict::BringUp(_)) && firmware != Some(Firmware::Px4);
-        let setpoint = self.verdict.setpoint().filter(|_| !early);
+        let too_early = matches!(self.verdict, Verdict::BringUp(_)) && !early;
+        let setpoint = self.verdict.setpoint().filter(|_| !too_early);
         self.streaming = setpoint.is_some();
         let wanted = match filter {
             SetpointFilter::Any => true,

@@ -16,7 +16,7 @@ use super::settings::{Settings, SettingsError};
 use super::status::Status;
 use super::timebase::Timebase;
 use super::velocity_profile::VelocityProfile;
-use crate::autopilot::{Autopilot, Notice, Odometry, Stage, TelemetryUpdate, VehicleState};
+use crate::autopilot::{Autopilot, Notice, Odometry, Order, Ordered, Stage, TelemetryUpdate, VehicleState};
 use crate::frame::Frame;
 use crate::messages::{Payload, SetPositionTargetLocalNed, Telemetry, heartbeat};
 use crate::signing::Session;
@@ -106,7 +106,7 @@ impl<'a> Node<'a> {
         match command {
             OperatorCommand::Start => self.start(),
             OperatorCommand::Release => self.release(false),
-            OperatorCommand::Return => self.order(Autopilot::return_home),
+            OperatorCommand::Return => self.order(Order::Return),
             OperatorCommand::Land => self.release(true),
         }
     }
@@ -120,6 +120,9 @@ impl<'a> Node<'a> {
     fn begin(&mut self, may_take: bool) {
         self.started = true;
         self.ending = None;
+        if self.gate.phase() == Phase::BringUp && self.autopilot.goes_on(may_take) {
+            return;
+        }
         self.gate.set_request(Request::Start);
         self.autopilot.restart(may_take);
     }
@@ -128,22 +131,19 @@ impl<'a> Node<'a> {
     /// see [`Node::is_ending`]. With `land` it is commanded to land instead.
     pub fn release(&mut self, land: bool) {
         if land {
-            self.order(Autopilot::land);
+            self.order(Order::Land);
         } else {
             self.end(self.gate.is_flying());
         }
     }
 
     /// Orders a return or a landing of a vehicle that nobody else flies.
-    fn order(&mut self, order: fn(&mut Autopilot, i64)) {
+    fn order(&mut self, order: Order) {
         self.end(false);
-        if self.autopilot.takes_orders() {
-            self.gate.set_request(Request::Return);
-            order(&mut self.autopilot, self.timebase.now_ms());
-        } else {
-            let (mode, armed) = (self.autopilot.mode_name(), if self.autopilot.is_armed() { "" } else { "dis" });
-            let text = format!("not commanded: the vehicle is {armed}armed, in {mode}, and not this node's");
-            self.answers.push(Notice::warning(text));
+        match self.autopilot.order(order, self.timebase.now_ms()) {
+            Ordered::Commanded => self.gate.set_request(Request::Return),
+            Ordered::Waits => self.answers.push(Notice::info("commanded as soon as the vehicle is this node's")),
+            Ordered::Refused => self.answers.push(self.autopilot.refusal()),
         }
     }
 
@@ -395,7 +395,7 @@ impl<'a> Node<'a> {
             request: self.gate.take_request(),
         };
         let inputs = gate_inputs(&mut self.autopilot, &context, now);
-        let mut output = self.gate.tick(&inputs, now, filter, self.autopilot.firmware());
+        let mut output = self.gate.tick(&inputs, now, filter, self.autopilot.takes_early_setpoints());
         let mut stands = false;
         if let Some(ending) = self.ending {
             // That the gate holds is no news: the operator was told of the braking.
@@ -408,12 +408,14 @@ impl<'a> Node<'a> {
         }
         out.notices.extend(output.notice);
         // An order of the operator is under way already, and may be a landing.
-        if output.return_home && !self.autopilot.has_order() {
+        let return_home = output.return_home || (self.gate.gives_up_bring_up() && self.autopilot.climbs());
+        if return_home && !self.autopilot.has_order() {
             self.autopilot.return_home(self.timebase.now_ms());
         }
         if let Some(setpoint) = &output.setpoint {
             let message = SetPositionTargetLocalNed::new(inputs.now_ms.unwrap_or(0), setpoint);
             self.send(&message.payload(self.target()), now, out);
+            self.autopilot.note_setpoint();
         }
         if stands {
             // The gate closes behind the last setpoint.

@@ -11,7 +11,10 @@ mod neighbours;
 mod orders;
 mod parameters;
 mod robust;
+mod stages;
 mod standing;
+mod table;
+mod takeovers;
 mod vehicle;
 
 use firmware_core::gate::Reason;

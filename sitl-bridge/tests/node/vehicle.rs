@@ -47,6 +47,16 @@ pub struct Vehicle {
     pub refuse: Option<(u16, u8, &'static str)>,
     /// Commands are not answered.
     pub mute: bool,
+    /// This command is neither carried out nor answered.
+    pub ignore: Option<u16>,
+    /// This command is carried out, and its answer is lost.
+    pub lose_answers: Option<u16>,
+    /// No HEARTBEAT is sent.
+    pub without_heartbeats: bool,
+    /// It climbs no higher, mm.
+    pub ceiling_mm: Option<f64>,
+    /// PX4 leaves OFFBOARD for AUTO.LOITER after so long without setpoints, ms.
+    pub offboard_loss_ms: Option<u32>,
     /// SYSTEM_TIME has the time of day.
     pub knows_time: bool,
     pub with_local: bool,
@@ -70,6 +80,8 @@ pub struct Vehicle {
     replies: Vec<Frame>,
     ticks: u32,
     streamed_ms: Option<u32>,
+    /// Time without setpoints, ms.
+    unstreamed_ms: u32,
     mission: Mission,
 }
 
@@ -125,6 +137,11 @@ impl Vehicle {
             heartbeats: 0,
             refuse: None,
             mute: false,
+            ignore: None,
+            lose_answers: None,
+            without_heartbeats: false,
+            ceiling_mm: None,
+            offboard_loss_ms: None,
             knows_time: true,
             with_local: true,
             broken: false,
@@ -139,6 +156,7 @@ impl Vehicle {
             replies: Vec::new(),
             ticks: 0,
             streamed_ms: None,
+            unstreamed_ms: 0,
             mission: mission.clone(),
         }
     }
@@ -150,7 +168,16 @@ impl Vehicle {
         self.unix_ms += (f64::from(TICK_MS) * self.unix_rate) as i64;
         let dt = f64::from(TICK_MS) / 1000.0;
         if let Some(target) = self.target_mm {
+            let target = self.ceiling_mm.map_or(target, |ceiling| target.min(ceiling));
             self.height_mm += (target - self.height_mm).clamp(-500.0, 500.0);
+        }
+        self.unstreamed_ms += TICK_MS;
+        if self.offboard_loss_ms.is_some_and(|loss_ms| self.unstreamed_ms > loss_ms)
+            && self.firmware == Firmware::Px4
+            && self.is_guided()
+        {
+            self.custom_mode = (3 << 24) | (4 << 16);
+            self.velocity = [0.0; 2];
         }
         if let Some(acceleration) = self.acceleration_mps2 {
             let change = [0, 1].map(|axis| self.asked[axis] - self.velocity[axis]);
@@ -161,7 +188,9 @@ impl Vehicle {
         self.place.north_mm += self.velocity[1] * dt * 1000.0;
         let mut out = std::mem::take(&mut self.replies);
         if self.ticks % 5 == 1 {
-            out.push(self.heartbeat());
+            if !self.without_heartbeats {
+                out.push(self.heartbeat());
+            }
             if self.waits_for_rates {
                 return out;
             }
@@ -205,6 +234,11 @@ impl Vehicle {
     pub fn reboot(&mut self) {
         (self.boot_ms, self.armed, self.custom_mode, self.waits_for_rates) = (300, false, 0, true);
         (self.height_mm, self.velocity, self.target_mm) = (0.0, [0.0; 2], None);
+    }
+
+    /// The next heartbeat comes in a second.
+    pub const fn restart_second(&mut self) {
+        self.ticks = 1;
     }
 
     /// Whether the next tick tells of health, mode and time besides the position.
@@ -310,7 +344,7 @@ impl Vehicle {
         let id = u16::from_le_bytes([payload[28], payload[29]]);
         assert_eq!((payload[30], payload[31]), (7, 1), "addressed to somebody else");
         self.commands.push((id, params));
-        if self.mute {
+        if self.mute || self.ignore == Some(id) {
             return;
         }
         let result = match self.refuse {
@@ -321,6 +355,9 @@ impl Vehicle {
             }
             _ => self.carry_out(id, params),
         };
+        if self.lose_answers == Some(id) {
+            return;
+        }
         let ack = self.frame(77, &[&id.to_le_bytes()[..], &[result]].concat());
         self.replies.push(ack);
     }
@@ -337,6 +374,8 @@ impl Vehicle {
                 0
             }
             (mav_cmd::NAV_TAKEOFF, _) if !self.armed => 4,
+            // As ArduPilot refuses it in the air.
+            (mav_cmd::NAV_TAKEOFF, Firmware::ArduPilot) if self.height_mm > 0.0 || self.custom_mode != 4 => 4,
             (mav_cmd::NAV_TAKEOFF, Firmware::ArduPilot) => {
                 self.target_mm = Some(f64::from(params[6]) * 1000.0);
                 0
@@ -372,7 +411,7 @@ impl Vehicle {
         assert!(numbers.iter().all(|v| v.is_finite()), "a setpoint with {numbers:?}");
         assert_eq!(u16::from_le_bytes([payload[48], payload[49]]), VELOCITY_AND_ACCELERATION);
         assert_eq!((payload[50], payload[51], payload[52]), (7, 1, 1));
-        self.streamed_ms = Some(self.boot_ms);
+        (self.streamed_ms, self.unstreamed_ms) = (Some(self.boot_ms), 0);
         let setpoint = Setpoint {
             at_ms: self.boot_ms,
             velocity: [numbers[4], numbers[3]],
@@ -386,6 +425,11 @@ impl Vehicle {
                 self.velocity = self.asked;
             }
         }
+    }
+
+    /// Whether a takeoff was accepted.
+    pub const fn takes_off(&self) -> bool {
+        self.target_mm.is_some()
     }
 
     pub fn is_guided(&self) -> bool {
