@@ -17,6 +17,8 @@ pub struct WorldFlight {
     pub coverage: Vec<f64>,
     /// The same, by the true positions of the simulated vehicles.
     pub true_coverage: Vec<f64>,
+    /// The same, flown on simlink, where real autopilots flew.
+    pub simlink_coverage: Option<Vec<f64>>,
     /// The same in the trainer's flight.
     pub trainer_coverage: Vec<f64>,
     /// Metrics of the trainer's flight.

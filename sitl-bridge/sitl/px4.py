@@ -1,0 +1,69 @@
+"""PX4's SITL with its built-in vehicle (SIH): how an instance is started.
+
+Seen on PX4 main of 2025 and 2026. Its own links to offboard computers share one port from the eleventh instance on,
+so the node and the observer get links of their own, which PX4's shell clients add once the instance runs.
+"""
+
+import subprocess
+from pathlib import Path
+
+from sitl.process import Process, SitlError
+from sitl.spec import VehicleSpec
+
+_FLEET = {
+    # Without a ground station and a remote control these would refuse to arm.
+    "NAV_DLL_ACT": 0,
+    "COM_RC_IN_MODE": 4,
+    # The simulated battery ends an episode early.
+    "SIM_BAT_MIN_PCT": 100,
+    "SDLOG_MODE": -1,
+}
+_LOCAL_PORT = 24_600
+_RATE = 400_000
+
+
+def folder(path: str) -> Path:
+    """A build folder of PX4's SITL."""
+    build = Path(path).absolute()
+    if not (build / "bin" / "px4").is_file():
+        raise SitlError(
+            f"{path}: no bin/px4 in there; build PX4's SITL (docs.px4.io, 'Simulation', 'SIH') "
+            "and name its folder, such as build/px4_sitl_default"
+        )
+    return build
+
+
+def start(
+    build: Path,
+    spec: VehicleSpec,
+    place: Path,
+    speed: float = 1.0,
+    parameters: dict[str, float] | None = None,
+) -> Process:
+    """Starts an instance; `add_links` gives it its links once it runs."""
+    environment = {
+        "PX4_SIMULATOR": "sihsim",
+        "PX4_SIM_MODEL": "sihsim_quadx",
+        "PX4_HOME_LAT": f"{spec.lat:.7f}",
+        "PX4_HOME_LON": f"{spec.lon:.7f}",
+        "PX4_HOME_ALT": f"{spec.alt:.2f}",
+        "PX4_SIM_SPEED_FACTOR": f"{speed:g}",
+        "PX4_PARAM_MAV_SYS_ID": str(spec.system),
+    }
+    values = {**_FLEET, **(parameters or {})}
+    environment.update({f"PX4_PARAM_{name}": f"{value:g}" for name, value in values.items()})
+    command = [str(build / "bin" / "px4"), "-i", str(spec.index), "-d", str(build / "etc"), "-w", str(place)]
+    return Process(command, place, environment)
+
+
+def add_links(build: Path, spec: VehicleSpec) -> bool:
+    """Adds the links to the node and to the observer; False while the instance does not answer yet."""
+    local = _LOCAL_PORT + 2 * spec.index
+    mavlink = [str(build / "bin" / "px4-mavlink"), "--instance", str(spec.index)]
+    for port, mode, offset in ((spec.node_port, "onboard", 0), (spec.observer_port, "custom", 1)):
+        start_link = ["start", "-x", "-u", str(local + offset), "-r", str(_RATE), "-m", mode, "-o", str(port)]
+        if subprocess.run([*mavlink, *start_link], capture_output=True, check=False).returncode != 0:  # noqa: S603
+            return False
+    truth = ["stream", "-r", "20", "-s", "HIL_STATE_QUATERNION", "-u", str(local + 1)]
+    subprocess.run([*mavlink, *truth], capture_output=True, check=False)  # noqa: S603
+    return True
