@@ -10,7 +10,8 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 GROUND_STATION = 255
 OBSERVER = 254
 """System id of one who only watches: no failsafe counts its heartbeats, and it sends none."""
-TRUTH_HZ = 20
+TRUTH_HZ = 10
+_TRUTH = (mavlink.MAVLINK_MSG_ID_SYSTEM_TIME, mavlink.MAVLINK_MSG_ID_SIMSTATE)
 _ASKED_AGAIN_S = 2.0
 _KEPT = 400
 
@@ -38,6 +39,7 @@ class Observer:
         self._mav = mavlink.MAVLink(None, srcSystem=source, srcComponent=190)
         self._asked_at = -_ASKED_AGAIN_S
         self._seen_at: dict[int, float] = {}
+        self._messages = _TRUTH if source == OBSERVER else (*_TRUTH, mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT)
         self._offset_ms: float | None = None
         self._boot_ms = 0
         self.places: deque[Place] = deque(maxlen=_KEPT)
@@ -106,11 +108,7 @@ class Observer:
         return heartbeat is not None and bool(heartbeat.base_mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED)
 
     def _wanted(self) -> dict[int, float]:
-        return {
-            mavlink.MAVLINK_MSG_ID_SYSTEM_TIME: TRUTH_HZ,
-            mavlink.MAVLINK_MSG_ID_SIMSTATE: TRUTH_HZ,
-            mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: TRUTH_HZ,
-        }
+        return dict.fromkeys(self._messages, TRUTH_HZ)
 
     def _take(self, message: mavlink.MAVLink_message, now: float) -> None:
         kind = message.get_type()
