@@ -67,23 +67,28 @@ class Fleet:
                 self.processes.append(px4.start(self._build, spec, place, speed, parameters))
                 self._px4_links.append(spec)
 
-    def run(self, control: int) -> None:
-        """Observes until it is stopped; `control` is the file descriptor with the commands."""
+    def run(self, control: int, line: bytes = b"") -> None:
+        """Observes until it is stopped; `control` has the commands, of which `line` was read already."""
         self.report("ready", vehicles=len(self.processes))
         poll = select.poll()
         poll.register(control, select.POLLIN)
         for observer in self.observers:
             poll.register(observer.fileno(), select.POLLIN)
-        line = b""
+        line = self._commands(line)
         while not self.stopped:
             for fd, _ in poll.poll(_TURN_S * 1000):
                 if fd == control:
                     chunk = os.read(control, 65_536)
                     self.stopped |= not chunk
-                    *lines, line = (line + chunk).split(b"\n")
-                    for text in filter(None, lines):
-                        self.command(text)
+                    line = self._commands(line + chunk)
             self.turn(time.monotonic())
+
+    def _commands(self, text: bytes) -> bytes:
+        """Carries out the whole lines of a text; returns what follows them."""
+        *lines, rest = text.split(b"\n")
+        for line in filter(None, lines):
+            self.command(line)
+        return rest
 
     def turn(self, now: float) -> None:
         """Takes in what the vehicles said and reports the steps that all of them have reached."""
@@ -140,7 +145,7 @@ class Fleet:
 def main() -> int:
     """Runs a fleet from one line of JSON on stdin; returns the exit status."""
     control = sys.stdin.fileno()
-    line, _ = first_line(control)
+    line, rest = first_line(control)
     try:
         fleet = Fleet(json.loads(line), EventLog(sys.stdout))
     except (ValueError, KeyError) as error:
@@ -150,7 +155,7 @@ def main() -> int:
         print(f"sitl: {error}", file=sys.stderr)
         return 2
     try:
-        fleet.run(control)
+        fleet.run(control, rest)
     except SitlError as error:
         print(f"sitl: {error}", file=sys.stderr)
         return 1

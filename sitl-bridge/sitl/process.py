@@ -1,5 +1,6 @@
 """A started program with a folder of its own, whose output goes to a file there."""
 
+import ctypes
 import os
 import signal
 import subprocess
@@ -8,10 +9,17 @@ from pathlib import Path
 
 _TAIL_BYTES = 4000
 _TAIL_LINES = 12
+_PR_SET_PDEATHSIG = 1
+_LIBC = ctypes.CDLL(None)
 
 
 class SitlError(Exception):
     """An autopilot cannot be started, or ended; the words are for the user."""
+
+
+def _end_with_parent() -> None:
+    """A fleet that is killed takes its programs along: the kernel sends them SIGKILL when their parent ends."""
+    _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 class Process:
@@ -31,6 +39,7 @@ class Process:
                     stdout=log,
                     stderr=subprocess.STDOUT,
                     start_new_session=True,
+                    preexec_fn=_end_with_parent,
                 )
         except OSError as error:
             raise SitlError(f"{command[0]} does not start: {error.strerror}") from None
