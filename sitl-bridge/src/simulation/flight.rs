@@ -11,7 +11,7 @@ use super::world_flight::WorldFlight;
 use crate::connection::{Address, Connection};
 use crate::mission::{Mission, PoiMap};
 use crate::node::run::{Links, NodeEvent, RunControl, run};
-use crate::node::{FeedForward, Node, Settings, gate_limits};
+use crate::node::{FeedForward, Node, Pace, Settings, StepTiming, gate_limits};
 use crate::signing::Session;
 use crate::swarm_link::{SwarmAddress, SwarmSocket};
 use crate::tlog::TlogWriter;
@@ -88,6 +88,7 @@ pub(super) fn fly_world(
                 flight.counters.add(&counters);
             }
         }
+        flight.count_decisions();
         keep_mission(sim, index, &mission, epoch_ms.load(Ordering::Relaxed))?;
         compare(sim, index, world, &mut flight);
         Ok(flight)
@@ -197,7 +198,7 @@ fn settings<'a>(
     let limits = gate_limits(base, mission);
     Settings {
         pois: Arc::clone(pois),
-        timing: sim.timing,
+        timing: StepTiming { pace: if sim.speed.is_none() { Pace::LockStep } else { Pace::Heard }, ..sim.timing },
         limits,
         feed_forward: if sim.ideal { FeedForward::Action } else { FeedForward::Ramp },
         take_off: true,

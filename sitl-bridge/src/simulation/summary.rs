@@ -37,6 +37,8 @@ pub struct Summary {
     pub realtime_factor_overall: f64,
     /// Decisions made.
     pub decisions: u64,
+    /// Mean time from a step's start to its decision, ms.
+    pub decision_ms_mean: f64,
     /// Decisions equal to the trainer's; see `docs/bridge.md`.
     pub decisions_equal_to_trainer: u64,
     /// Decisions that could be compared.
@@ -98,7 +100,9 @@ impl Summary {
         self.realtime_factor = self.simulated_s / self.wall_s.max(1e-9);
         self.realtime_factor_overall = self.simulated_s / (self.wall_s + self.bring_up_s).max(1e-9);
         let counters = &flight.counters;
-        self.decisions += counters.decisions;
+        let decisions = self.decisions + counters.decisions;
+        let decision_ms = self.decision_ms_mean * self.decisions as f64 + counters.decision_ms as f64;
+        (self.decisions, self.decision_ms_mean) = (decisions, decision_ms / decisions.max(1) as f64);
         self.decisions_equal_to_trainer += flight.equal;
         self.decisions_compared += flight.compared;
         self.late_decisions += counters.late_decisions;
@@ -145,8 +149,9 @@ impl fmt::Display for Summary {
         writeln!(f, "real time      x {:.1} ({:.1} with takeoff)", self.realtime_factor, self.realtime_factor_overall)?;
         writeln!(
             f,
-            "decisions      {}, {} late, {} missed; {} of {} as the trainer's",
+            "decisions      {}, {:.0} ms after the step's start, {} late, {} missed; {} of {} as the trainer's",
             self.decisions,
+            self.decision_ms_mean,
             self.late_decisions,
             self.missed_decisions,
             self.decisions_equal_to_trainer,
