@@ -35,7 +35,7 @@ class Fleet:
         self._emit = emit
         self._started = time.monotonic()
         self._step = 0
-        self._px4_links: list[VehicleSpec] = []
+        self._px4_links: list[px4.Links] = []
         self._link_at = 0.0
         self.stopped = False
         self.observers: list[Observer] = []
@@ -65,7 +65,7 @@ class Fleet:
                 self.processes.append(arducopter.start(program, spec, place, speed, parameters))
             else:
                 self.processes.append(px4.start(self._build, spec, place, speed, parameters))
-                self._px4_links.append(spec)
+                self._px4_links.append(px4.Links(self._build, spec))
 
     def run(self, control: int, line: bytes = b"") -> None:
         """Observes until it is stopped; `control` has the commands, of which `line` was read already."""
@@ -96,7 +96,7 @@ class Fleet:
             process.check()
         if self._px4_links and now >= self._link_at:
             self._link_at = now + _LINK_RETRY_S
-            self._px4_links = [spec for spec in self._px4_links if not px4.add_links(self._build, spec)]
+            self._px4_links = [links for links in self._px4_links if not links.add()]
         for observer in self.observers:
             observer.receive(now)
         while self._report_truth():

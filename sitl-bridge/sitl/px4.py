@@ -20,6 +20,8 @@ _FLEET = {
 }
 _LOCAL_PORT = 24_600
 _RATE = 400_000
+_NOT_NEEDED = (13_030, 14_280)
+"""Ports of its links to a gimbal and a camera: an instance has no more than six links."""
 
 
 def folder(path: str) -> Path:
@@ -40,7 +42,7 @@ def start(
     speed: float = 1.0,
     parameters: dict[str, float] | None = None,
 ) -> Process:
-    """Starts an instance; `add_links` gives it its links once it runs."""
+    """Starts an instance, which has the system id `index` + 1; `Links` gives it its links once it runs."""
     environment = {
         "PX4_SIMULATOR": "sihsim",
         "PX4_SIM_MODEL": "sihsim_quadx",
@@ -48,7 +50,6 @@ def start(
         "PX4_HOME_LON": f"{spec.lon:.7f}",
         "PX4_HOME_ALT": f"{spec.alt:.2f}",
         "PX4_SIM_SPEED_FACTOR": f"{speed:g}",
-        "PX4_PARAM_MAV_SYS_ID": str(spec.system),
     }
     values = {**_FLEET, **(parameters or {})}
     environment.update({f"PX4_PARAM_{name}": f"{value:g}" for name, value in values.items()})
@@ -56,14 +57,26 @@ def start(
     return Process(command, place, environment)
 
 
-def add_links(build: Path, spec: VehicleSpec) -> bool:
-    """Adds the links to the node and to the observer; False while the instance does not answer yet."""
-    local = _LOCAL_PORT + 2 * spec.index
-    mavlink = [str(build / "bin" / "px4-mavlink"), "--instance", str(spec.index)]
-    for port, mode, offset in ((spec.node_port, "onboard", 0), (spec.observer_port, "custom", 1)):
-        start_link = ["start", "-x", "-u", str(local + offset), "-r", str(_RATE), "-m", mode, "-o", str(port)]
-        if subprocess.run([*mavlink, *start_link], capture_output=True, check=False).returncode != 0:  # noqa: S603
-            return False
-    truth = ["stream", "-r", "20", "-s", "HIL_STATE_QUATERNION", "-u", str(local + 1)]
-    subprocess.run([*mavlink, *truth], capture_output=True, check=False)  # noqa: S603
-    return True
+class Links:
+    """The links of an instance to its node and to the observer, which are added once it runs."""
+
+    def __init__(self, build: Path, spec: VehicleSpec) -> None:
+        self._shell = [str(build / "bin" / "px4-mavlink"), "--instance", str(spec.index)]
+        local = _LOCAL_PORT + 2 * spec.index
+        self._not_needed = [port + spec.index for port in _NOT_NEEDED]
+        self._missing = [(spec.node_port, "onboard", local), (spec.observer_port, "onboard", local + 1)]
+        self._truth = local + 1
+
+    def add(self) -> bool:
+        """Tries to add those that are missing; whether there are all."""
+        while self._missing:
+            for port in self._not_needed:
+                self._run("stop", "-u", str(port))
+            port, mode, local = self._missing[0]
+            if not self._run("start", "-x", "-u", str(local), "-r", str(_RATE), "-m", mode, "-o", str(port)):
+                return False
+            del self._missing[0]
+        return self._run("stream", "-r", "20", "-s", "HIL_STATE_QUATERNION", "-u", str(self._truth))
+
+    def _run(self, *arguments: str) -> bool:
+        return subprocess.run([*self._shell, *arguments], capture_output=True, check=False).returncode == 0  # noqa: S603

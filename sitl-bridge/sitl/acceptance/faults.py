@@ -26,7 +26,7 @@ def _reboot(rig: Rig, limit_s: float = 60) -> None:
 def _reboot_on_the_ground(bench: Bench) -> str:
     with bench.rig() as rig:
         node = rig.node(takes_off=False)
-        rig.until(lambda: node.said("system 1") and rig.clock_ms > 10_000, "the node hears the vehicle", node)
+        rig.until(lambda: node.said(", system 1") and rig.clock_ms > 10_000, "the node hears the vehicle", node)
         heard = len(node.text)
         _reboot(rig)
         rig.spend(20)

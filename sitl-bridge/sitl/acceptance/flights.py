@@ -2,12 +2,13 @@
 
 import math
 
-from sitl.acceptance.case import ARDUCOPTER, Case, expect
+from sitl.acceptance.case import ARDUCOPTER, PX4, Case, expect
 from sitl.acceptance.modes import controlled
 from sitl.acceptance.node import Node
 from sitl.acceptance.rig import Bench, Rig
 
-_FAST_MPS = 4.3
+_FAST_MPS = {ARDUCOPTER: 4.3, PX4: 3.6}
+"""PX4's own velocity control is slower: from 5 m/s asked for in a step of 2 s it makes about 4 (SIH)."""
 _STANDING_S = 14.0
 
 
@@ -23,7 +24,8 @@ def _bring_up(bench: Bench) -> str:
 
 
 def _fast(rig: Rig) -> None:
-    rig.until(lambda: rig.speed >= _FAST_MPS, f"a speed of {_FAST_MPS} m/s")
+    fast = _FAST_MPS[rig.autopilot]
+    rig.until(lambda: rig.speed >= fast, f"a speed of {fast} m/s", limit_s=400)
 
 
 def _order(bench: Bench, line: str, mode: str) -> str:

@@ -12,7 +12,7 @@ from pathlib import Path
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sitl import arducopter, px4
-from sitl.acceptance.case import ARDUCOPTER, Failure
+from sitl.acceptance.case import ARDUCOPTER, PX4, Failure
 from sitl.acceptance.modes import custom_mode, name_of, set_mode
 from sitl.acceptance.node import Node
 from sitl.observer import GROUND_STATION, OBSERVER, Observer
@@ -60,11 +60,12 @@ class Rig:
         node_link: str = "",
     ) -> None:
         self.bench, self.index, self.autopilot = bench, index, bench.autopilot
-        self.system = index + 1
+        # PX4 numbers its vehicles by its instances.
+        self.system = index + 1 if bench.autopilot == ARDUCOPTER else bench.instance + index + 1
         self.node_port = free_port()
         self.observer = Observer(self.system, GROUND_STATION if pilot else OBSERVER)
         self._pilot = pilot
-        self._beat_at = self._link_at = 0.0
+        self._beat_at = self._link_at = self._sticks_at = 0.0
         self._nodes: list[Node] = []
         lat, lon = ORIGIN.degrees(100.0 + 20.0 * index, 150.0)
         self._spec = VehicleSpec(
@@ -79,8 +80,11 @@ class Rig:
         )
         place = bench.folder / f"vehicle-{index}"
         start = arducopter.start if self.autopilot == ARDUCOPTER else px4.start
-        self._linked = self.autopilot == ARDUCOPTER
-        self._process: Process = start(bench.program, self._spec, place, parameters=parameters)
+        self._links = None if self.autopilot == ARDUCOPTER else px4.Links(bench.program, self._spec)
+        # PX4 takes a pilot's modes only with sticks: those of a ground station, here, which a busy computer sends late.
+        sticks = {"COM_RC_IN_MODE": 1, "COM_RC_LOSS_T": 30} if self.autopilot == PX4 and pilot else {}
+        values = {**sticks, **(parameters or {})}
+        self._process: Process = start(bench.program, self._spec, place, parameters=values)
 
     def __enter__(self) -> "Rig":
         return self
@@ -105,7 +109,7 @@ class Rig:
         """Starts a node for the vehicle."""
         link = link or f"udpin:127.0.0.1:{self.node_port}"
         arguments = ["--id", str(self.index), "--mission", str(self.mission()), "--autopilot", link]
-        arguments += ["--takeoff"] if takes_off else []
+        arguments += ["--vehicle-system", str(self.system), *(["--takeoff"] if takes_off else [])]
         recording = self.bench.folder / f"node-{self.index}-{len(self._nodes)}.tlog"
         node = Node(self.bench.bridge, [*arguments, *options], recording)
         self._nodes.append(node)
@@ -123,9 +127,13 @@ class Rig:
         """Takes in what the vehicle says; a pilot's ground station and sticks stay alive."""
         now = time.monotonic()
         self._process.check()
-        if not self._linked and now >= self._link_at:
+        if self._links is not None and now >= self._link_at:
             self._link_at = now + _LINK_RETRY_S
-            self._linked = px4.add_links(self.bench.program, self._spec)
+            if self._links.add():
+                self._links = None
+        if self._pilot and self.autopilot == PX4 and now - self._sticks_at >= 0.1:
+            self._sticks_at = now
+            self.observer.send(mavlink.MAVLink_manual_control_message(self.system, 0, 0, 500, 0, 0))
         if self._pilot and now - self._beat_at >= 0.5:
             self._beat_at = now
             self.observer.send(mavlink.MAVLink_heartbeat_message(mavlink.MAV_TYPE_GCS, 8, 0, 0, 4, 3))

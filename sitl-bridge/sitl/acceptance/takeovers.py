@@ -95,7 +95,7 @@ def _at_start(bench: Bench) -> str:
         mode = _pilots_mode(rig)
         _pilot_takes_off(rig, mode)
         node = rig.node()
-        rig.until(lambda: node.said("system 1"), "the node hears the vehicle", node)
+        rig.until(lambda: node.said(f", system {rig.system}"), "the node hears the vehicle", node)
         rig.spend(8)
         return _stays(rig, node, mode)
 
@@ -113,7 +113,7 @@ def _follows(bench: Bench) -> str:
     """Without --takeoff: the pilot takes off and hands over."""
     with bench.rig() as rig:
         node = rig.node(takes_off=False)
-        rig.until(lambda: node.said("system 1"), "the node hears the vehicle", node)
+        rig.until(lambda: node.said(f", system {rig.system}"), "the node hears the vehicle", node)
         _pilot_takes_off(rig, _pilots_mode(rig))
         rig.switch("GUIDED")
         rig.until(lambda: node.said("the actor flies"), "the actor flies", node, limit_s=30)
