@@ -52,6 +52,25 @@ fn a_fleet_without_python_or_its_packages() {
 }
 
 #[test]
+fn real_autopilots_that_cannot_be_had() {
+    let message = refused(&["swarm", "--sim", "gazebo"]);
+    assert!(message.contains("use simlink, arducopter=PROGRAM or px4=FOLDER"), "{message}");
+    let message = refused(&["swarm", "--sim", "arducopter="]);
+    assert!(message.contains("the program is missing"), "{message}");
+    let message = refused(&["swarm", "--sim", "arducopter=/nowhere/arducopter"]);
+    assert!(message.contains("/nowhere/arducopter: no such program; build ArduPilot's SITL"), "{message}");
+    let message = refused(&["swarm", "--sim", "px4=/nowhere"]);
+    assert!(message.contains("/nowhere: no bin/px4 in there"), "{message}");
+    // What simulated autopilots alone can do.
+    for option in [&["--ideal"][..], &["--px4"], &["--fleet", "{}"]] {
+        let message = refused(&[&["swarm", "--sim", "arducopter=sh"], option].concat());
+        assert!(message.contains("is for simlink alone"), "{message}");
+    }
+    let message = refused(&["swarm", "--sim", "px4=/nowhere", "--speed", "2"]);
+    assert!(message.contains("PX4 tells the host's time"), "{message}");
+}
+
+#[test]
 fn ports_that_are_taken_and_ids_that_do_not_fit() {
     let folder = tempfile::tempdir().unwrap();
     let mission = mission(folder.path());
