@@ -42,6 +42,11 @@ class ArduPilot(Autopilot):
         """Stays in GUIDED and stops."""
         self.flight.stop()
 
+    def is_ground_station(self, system: int, kind: int) -> bool:
+        """By its system id alone: MAV_GCS_SYSID, to MAV_GCS_SYSID_HI."""
+        first, last = self.parameters["MAV_GCS_SYSID"], self.parameters["MAV_GCS_SYSID_HI"]
+        return first <= system <= max(first, last)
+
     def heartbeat_timeout_ms(self) -> float | None:
         """FS_GCS_TIMEOUT, when FS_GCS_ENABLE is set."""
         return self.parameters["FS_GCS_TIMEOUT"] * 1000.0 if self.parameters["FS_GCS_ENABLE"] else None

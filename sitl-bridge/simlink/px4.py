@@ -4,6 +4,7 @@ from simlink.autopilot import SEVERITY_CRITICAL, Autopilot
 from simlink.modes import Behaviour, Mode
 from simlink.setpoint import Setpoint
 
+MAV_TYPE_GCS = 6
 STREAM_BEFORE_OFFBOARD_MS = 1_000
 STREAM_GAP_MS = 500
 """Setpoints must come faster than 2 Hz."""
@@ -58,6 +59,17 @@ class Px4(Autopilot):
         timed_out, stopped = self._timed_out, self._stopped
         self.change_mode(self._named(mode), "failsafe")
         self._timed_out, self._stopped = timed_out, stopped
+
+    def is_ground_station(self, system: int, kind: int) -> bool:
+        """By its type: the loss of an onboard controller is only logged."""
+        return kind == MAV_TYPE_GCS
+
+    def arm(self, force: bool) -> bool:
+        """Not without a ground station, when NAV_DLL_ACT is set."""
+        if self.parameters["NAV_DLL_ACT"] and self.station_heartbeat_ms is None and not force:
+            self.send_text(SEVERITY_CRITICAL, "Preflight Fail: No connection to the GCS")
+            return False
+        return super().arm(force)
 
     def heartbeat_timeout_ms(self) -> float | None:
         """COM_DL_LOSS_T, when NAV_DLL_ACT is set."""

@@ -60,7 +60,8 @@ impl Swarm {
             .map(|(id, links)| {
                 let settings = Settings {
                     id,
-                    system: system_of(id).expect("few"),
+                    // The ground station's, so that the autopilots' failsafe watches the nodes.
+                    system: 255,
                     vehicle_system: system_of(id).expect("few"),
                     actor,
                     mission: Arc::clone(&mission),
@@ -135,6 +136,7 @@ fn fleet_config(plan: &Plan, ports: &[u16]) -> Value {
         "step_ms": plan.mission.scale.step_ms,
         "map_side_u": plan.mission.side_u,
         "epoch_unix_ms": plan.mission.epoch_unix_ms,
+        "parameters": {"FS_GCS_ENABLE": 1},
         // A busy computer is no fault.
         "lockstep_timeout_s": 10,
     });
