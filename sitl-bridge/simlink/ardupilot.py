@@ -20,6 +20,7 @@ class ArduPilot(Autopilot):
     INITIAL_MODE, HOLD_MODE, GUIDED_MODE = "STABILIZE", "LOITER", "GUIDED"
     PARAMETERS = {
         "MAV_SYSID": 1.0,
+        "MAV_GCS_SYSID": 255.0,
         "GUID_TIMEOUT": 3.0,
         "FS_GCS_ENABLE": 1.0,
         "FS_GCS_TIMEOUT": 5.0,
@@ -35,6 +36,10 @@ class ArduPilot(Autopilot):
     def on_setpoint_timeout(self) -> None:
         """Stays in GUIDED and stops."""
         self.flight.stop()
+
+    def is_ground_station(self, system: int, kind: int) -> bool:
+        """By its system id alone: MAV_GCS_SYSID."""
+        return system == self.parameters["MAV_GCS_SYSID"]
 
     def heartbeat_timeout_ms(self) -> float | None:
         """FS_GCS_TIMEOUT, when FS_GCS_ENABLE is set."""

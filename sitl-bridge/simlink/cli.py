@@ -131,6 +131,7 @@ def _raw(options: argparse.Namespace) -> dict[str, Any]:
         "signing_key_file": options.key_file,
         "faults": faults,
         "extra": options.extra,
+        "shared_ports": options.shared_ports,
     }
     return {name: value for name, value in raw.items() if value is not None}
 
@@ -192,5 +193,6 @@ def _parser() -> argparse.ArgumentParser:
         choices=extras.KINDS,
         help="somebody else on every vehicle's port; may be repeated",
     )
+    add("--shared-ports", action="store_true", help="every vehicle on every port, as behind one MAVProxy")
     add("--json", action="store_true", help="events as JSON lines on stdout")
     return parser

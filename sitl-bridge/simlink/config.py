@@ -75,6 +75,8 @@ class FleetConfig:
     faults: tuple[Fault, ...] = ()
     extra: tuple[str, ...] = ()
     """Who else is on every vehicle's port: kinds of `extras.KINDS`."""
+    shared_ports: bool = False
+    """Every vehicle is on every port, and hears what is sent to any, as behind one MAVProxy."""
     guided_timeout_s: float | None = None
     """None: the autopilot's own, 3 s for ArduPilot and 1 s for PX4."""
     ekf_ready_ms: int = 5_000
@@ -139,6 +141,7 @@ def read(raw: Any) -> FleetConfig:
         signing_key_file=top.take("signing_key_file", str, None),
         faults=faults,
         extra=tuple(top.take("extra", list, [])),
+        shared_ports=top.take("shared_ports", bool, defaults.shared_ports),
         guided_timeout_s=top.take("guided_timeout_s", _NUMBER, None),
         ekf_ready_ms=round(1000 * top.take("ekf_ready_s", _NUMBER, 5)),
         boot_ms=top.take("boot_ms", int, 0),

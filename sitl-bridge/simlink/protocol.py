@@ -76,9 +76,10 @@ class Protocol:
         return self._send(telemetry.autopilot_version(self._vehicle))
 
     def _heartbeat(self, message: mavlink.MAVLink_message) -> None:
-        # Another autopilot on the same link is not a controller.
-        if message.autopilot == mavlink.MAV_AUTOPILOT_INVALID or message.type == mavlink.MAV_TYPE_GCS:
-            self._vehicle.autopilot.heartbeat()
+        autopilot = self._vehicle.autopilot
+        autopilot.controller_heard |= message.autopilot == mavlink.MAV_AUTOPILOT_INVALID
+        if autopilot.is_ground_station(message.get_srcSystem(), message.type):
+            autopilot.heartbeat()
 
     def _setpoint(self, message: mavlink.MAVLink_message) -> None:
         autopilot = self._vehicle.autopilot

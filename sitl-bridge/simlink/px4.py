@@ -4,6 +4,7 @@ from simlink.autopilot import SEVERITY_CRITICAL, Autopilot
 from simlink.modes import Behaviour, Mode
 from simlink.setpoint import Setpoint
 
+MAV_TYPE_GCS = 6
 STREAM_BEFORE_OFFBOARD_MS = 1_000
 STREAM_GAP_MS = 500
 """Setpoints must come faster than 2 Hz."""
@@ -32,7 +33,7 @@ class Px4(Autopilot):
         "MAV_SYS_ID": 1.0,
         "COM_OF_LOSS_T": 1.0,
         "COM_DL_LOSS_T": 10.0,
-        "NAV_DLL_ACT": 2.0,
+        "NAV_DLL_ACT": 0.0,
         "MPC_XY_VEL_MAX": 12.0,
         "MPC_ACC_HOR": 3.0,
         "RTL_RETURN_ALT": 15.0,
@@ -49,6 +50,17 @@ class Px4(Autopilot):
         timed_out, stopped = self._timed_out, self._stopped
         self.change_mode(self._named(self.HOLD_MODE), "failsafe")
         self._timed_out, self._stopped = timed_out, stopped
+
+    def is_ground_station(self, system: int, kind: int) -> bool:
+        """By its type: the loss of an onboard controller is only logged."""
+        return kind == MAV_TYPE_GCS
+
+    def arm(self, force: bool) -> bool:
+        """Not without a ground station, when NAV_DLL_ACT is set."""
+        if self.parameters["NAV_DLL_ACT"] and self.station_heartbeat_ms is None and not force:
+            self.send_text(SEVERITY_CRITICAL, "Preflight Fail: No connection to the GCS")
+            return False
+        return super().arm(force)
 
     def heartbeat_timeout_ms(self) -> float | None:
         """COM_DL_LOSS_T, when NAV_DLL_ACT is set."""

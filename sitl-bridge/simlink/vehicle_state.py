@@ -62,6 +62,8 @@ class VehicleState:
         self._frozen: Estimate | None = None
         self._estimate: Estimate | None = None
         self.t_ms = 0
+        self.host_ms = 0
+        """Time of the host's clock since the fleet began."""
 
     # Clocks, all in ms
 
@@ -77,8 +79,8 @@ class VehicleState:
 
     @property
     def unix_ms(self) -> int:
-        """Time of day."""
-        return self._fleet.unix_ms + self.t_ms
+        """Time of day: ArduPilot has it from its GPS, PX4 from its host."""
+        return self._fleet.unix_ms + (self.host_ms if isinstance(self.autopilot, Px4) else self.t_ms)
 
     # Estimates
 

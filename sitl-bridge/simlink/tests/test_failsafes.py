@@ -113,6 +113,46 @@ class HeartbeatsMissing(unittest.TestCase):
         self.assertFalse(flight.fleet.vehicles[0].autopilot.armed)
         self.assertEqual(flight.named("crash"), [])
 
+    def test_ardupilot_counts_the_ground_station_s_id_alone(self):
+        for system, kind in ((250, mavlink.MAV_TYPE_ONBOARD_CONTROLLER), (2, mavlink.MAV_TYPE_GCS)):
+            controller = Controller(lambda _: {}, system=system, kind=kind)
+            flight = Flight(controller)
+            flight.run_until(lambda flight=flight: flight.fleet.vehicles[0].autopilot.is_streaming)
+            controller.heartbeats = False
+            flight.run_for(20)
+            self.assertEqual(flight.named("failsafe"), [])
+        # Where it is told another, that one counts.
+        controller = Controller(lambda _: {}, system=2)
+        flight = Flight(controller)
+        flight.fleet.vehicles[0].autopilot.parameters["MAV_GCS_SYSID"] = 2.0
+        flight.run_until(lambda: flight.fleet.vehicles[0].autopilot.is_streaming)
+        controller.heartbeats = False
+        flight.run_for(7)
+        self.assertEqual(len(flight.named("failsafe")), 1)
+
+    def test_px4_misses_no_onboard_controller(self):
+        for kind, failsafes in ((mavlink.MAV_TYPE_ONBOARD_CONTROLLER, 0), (mavlink.MAV_TYPE_GCS, 1)):
+            controller = Controller(lambda _: {}, dialect="px4", kind=kind)
+            flight = Flight(controller)
+            autopilot = flight.fleet.vehicles[0].autopilot
+            flight.run_until(lambda autopilot=autopilot: autopilot.mode.name == "OFFBOARD")
+            autopilot.parameters["NAV_DLL_ACT"] = 2.0
+            controller.heartbeats = False
+            flight.run_for(12)
+            self.assertEqual(len(flight.named("failsafe")), failsafes, kind)
+
+    def test_px4_with_that_failsafe_does_not_arm_without_a_ground_station(self):
+        for kind, result in ((mavlink.MAV_TYPE_ONBOARD_CONTROLLER, 4), (mavlink.MAV_TYPE_GCS, 0)):
+            controller = Controller(dialect="px4", takes_off=False, kind=kind)
+            flight = Flight(controller)
+            flight.fleet.vehicles[0].autopilot.parameters["NAV_DLL_ACT"] = 2.0
+            flight.run_for(6)
+            flight.hub.waiting.append((0, controller.pack(controller.command(400, 1))))
+            flight.run_for(0.4)
+            self.assertEqual(controller.acks[-1], (400, result))
+            refused = "Preflight Fail: No connection to the GCS"
+            self.assertEqual(refused in controller.texts, result != 0)
+
     def test_nobody_who_never_spoke_is_missed(self):
         controller = Controller(lambda _: {})
         controller.heartbeats = False

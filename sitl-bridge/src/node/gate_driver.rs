@@ -15,6 +15,9 @@ const FIRST_MS: u32 = 300;
 const SIMULATION_MS: u64 = 2000;
 /// … and a setpoint is sent on its own no sooner than this after the last, ms of the host's clock.
 const SETPOINT_MS: u64 = 200;
+/// In lock-step an answer waits for other UAVs' messages for so long, ms of the host's clock: less than the
+/// simulation waits for the answer.
+const OWED_MS: u64 = 1000;
 
 /// Which setpoints are sent after the gate was asked.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -53,6 +56,8 @@ pub(super) struct GateDriver {
     /// When a setpoint was last sent, by the host's clock.
     setpoint_wall_ms: u64,
     streaming: bool,
+    /// Since when a position waits for its answer, by the host's clock.
+    owed_wall_ms: Option<u64>,
     counters: Counters,
 }
 
@@ -67,6 +72,7 @@ impl GateDriver {
             overdue: false,
             setpoint_wall_ms: 0,
             streaming: false,
+            owed_wall_ms: None,
             counters: Counters::default(),
         }
     }
@@ -106,9 +112,24 @@ impl GateDriver {
         Clearance { bring_up, streaming: self.streaming }
     }
 
-    /// A position arrived and the gate was asked with it: the wait for the next one begins.
-    pub const fn position_arrived(&mut self) {
-        self.overdue = false;
+    /// A position arrived, to be answered with a setpoint.
+    pub const fn position_arrived(&mut self, now: HostTime) {
+        self.owed_wall_ms = Some(now.wall_ms);
+    }
+
+    /// The gate was asked with the newest position: the wait for the next one begins.
+    pub const fn position_answered(&mut self) {
+        (self.owed_wall_ms, self.overdue) = (None, false);
+    }
+
+    /// Whether the newest position was not answered yet.
+    pub const fn owes_answer(&self) -> bool {
+        self.owed_wall_ms.is_some()
+    }
+
+    /// Whether the newest position was not answered for so long that it has to be.
+    pub fn owes_answer_since(&self, now: HostTime) -> bool {
+        self.owed_wall_ms.is_some_and(|since_ms| now.wall_ms.saturating_sub(since_ms) >= OWED_MS)
     }
 
     /// Whether the gate has to be asked without a position, at `boot_ms` of the vehicle's clock, and

@@ -28,9 +28,6 @@ use firmware_core::geometry::State;
 
 /// Between two HEARTBEATs of the node, ms.
 const HEARTBEAT_MS: i64 = 1000;
-/// In lock-step an answer waits for other UAVs' messages for so long, ms of the host's clock: less than the
-/// simulation waits for the answer.
-const HELD_MS: u64 = 1000;
 
 /// Flies one UAV.
 #[derive(Debug)]
@@ -48,8 +45,6 @@ pub struct Node<'a> {
     host_clock: HostClockFallback,
     /// Whether the operator, or the pilot's takeoff, has started the mission.
     started: bool,
-    /// Since when the answer to a position waits for the decision, ms of the host's monotonic clock.
-    held_ms: Option<u64>,
     /// The vehicle is being braked, to be let go.
     ending: Option<Ending>,
     /// Notices of what the operator asked for, until the next turn.
@@ -96,7 +91,6 @@ impl<'a> Node<'a> {
             timebase: Timebase::default(),
             host_clock: HostClockFallback::default(),
             started: false,
-            held_ms: None,
             ending: None,
             answers: Vec::new(),
             heartbeat_ms: i64::MIN / 2,
@@ -295,7 +289,7 @@ impl<'a> Node<'a> {
             }
             let step = self.decisions.proceed();
             let decided = self.take_step(step, now, out);
-            if self.held_ms.is_some() {
+            if self.gate.owes_answer() {
                 self.answer_unless_held(now, out);
             } else if decided {
                 self.ask_gate(now, SetpointFilter::Any, out);
@@ -315,7 +309,7 @@ impl<'a> Node<'a> {
         if let Some(filter) = self.gate.overdue(self.autopilot.state.now_ms(), now) {
             self.ask_gate(now, filter, out);
         }
-        if self.held_ms.is_some_and(|since_ms| now.wall_ms.saturating_sub(since_ms) >= HELD_MS) {
+        if self.gate.owes_answer_since(now) {
             self.answer(now, out);
         }
         self.send_heartbeat(now, out);
@@ -375,7 +369,7 @@ impl<'a> Node<'a> {
             out.notices.push(Notice::info("the vehicle was brought up by its operator: flying the mission"));
             self.start();
         }
-        self.held_ms = Some(now.wall_ms);
+        self.gate.position_arrived(now);
         self.answer_unless_held(now, out);
     }
 
@@ -389,9 +383,8 @@ impl<'a> Node<'a> {
     }
 
     fn answer(&mut self, now: HostTime, out: &mut NodeOutput) {
-        self.held_ms = None;
         self.ask_gate(now, SetpointFilter::Any, out);
-        self.gate.position_arrived();
+        self.gate.position_answered();
     }
 
     fn run_decision_loop(&mut self, common_ms: i64, odometry: &Odometry, now: HostTime, out: &mut NodeOutput) {

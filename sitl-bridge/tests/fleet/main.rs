@@ -192,7 +192,9 @@ struct Process {
 impl Process {
     fn start(mission: &std::path::Path) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_sitl-bridge"))
-            .args(["fly", "--id", "0", "--takeoff", "--simulated", "--autopilot", "udpin:127.0.0.1:0", "--mission"])
+            .args(["fly", "--id", "0", "--takeoff", "--simulated", "--autopilot", "udpin:127.0.0.1:0"])
+            // The ground station's id, so that the autopilot's failsafe watches the node.
+            .args(["--system", "255", "--mission"])
             .arg(mission)
             .stderr(Stdio::piped())
             .stdin(Stdio::null())

@@ -60,7 +60,8 @@ impl Swarm {
             .map(|(id, links)| {
                 let settings = Settings {
                     id,
-                    system: system_of(id).expect("few"),
+                    // The ground station's, so that the autopilots' failsafe watches the nodes.
+                    system: 255,
                     vehicle_system: system_of(id).expect("few"),
                     actor,
                     mission: Arc::clone(&mission),
