@@ -119,6 +119,12 @@ impl Autopilot {
         self.bring_up.is_airborne()
     }
 
+    /// Whether it took off on a command of this start: it climbs, or has climbed.
+    #[must_use]
+    pub const fn is_taking_off(&self) -> bool {
+        self.bring_up.is_taking_off()
+    }
+
     /// The flight mode in the last HEARTBEAT.
     #[must_use]
     pub fn mode(&self) -> Option<Mode> {
@@ -403,7 +409,7 @@ impl Autopilot {
         self.give_up(&reason, notices);
     }
 
-    pub(super) fn give_up(&mut self, reason: &str, notices: &mut Vec<Notice>) {
+    pub(crate) fn give_up(&mut self, reason: &str, notices: &mut Vec<Notice>) {
         notices.push(Notice::warning(format!("not flying: {reason}")));
         (self.command, self.stage) = (None, Stage::Failed);
     }
@@ -416,7 +422,7 @@ impl Autopilot {
         }
     }
 
-    fn remind(&mut self, now_ms: i64, notices: &mut Vec<Notice>, text: impl FnOnce() -> String) {
+    pub(crate) fn remind(&mut self, now_ms: i64, notices: &mut Vec<Notice>, text: impl FnOnce() -> String) {
         if now_ms - self.reminded_ms >= REMIND_MS {
             self.reminded_ms = now_ms;
             notices.push(Notice::info(text()));

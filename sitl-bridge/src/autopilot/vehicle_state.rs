@@ -46,6 +46,10 @@ pub struct VehicleState {
     pub estimator: Option<(bool, u32)>,
     /// The last GPS_FIX_TYPE and the `time_boot_ms` when it arrived.
     pub gps_fix: Option<(u8, u32)>,
+    /// Altitude above mean sea level in the last GPS_RAW_INT, mm.
+    pub gps_alt_mm: Option<i32>,
+    /// The last position, where it lies beyond the plane: latitude and longitude, 1e-7 degrees.
+    pub beyond: Option<(i32, i32)>,
     /// Remaining charge, percent.
     pub battery: Option<u8>,
     /// Whether the vehicle is landed, by EXTENDED_SYS_STATE.
@@ -66,6 +70,8 @@ impl VehicleState {
             invalid: false,
             estimator: None,
             gps_fix: None,
+            gps_alt_mm: None,
+            beyond: None,
             battery: None,
             on_ground: None,
         }
@@ -77,7 +83,7 @@ impl VehicleState {
         match *telemetry {
             Telemetry::Heartbeat(heartbeat) => self.heartbeat = Some((heartbeat, now)),
             Telemetry::Battery(percent) => self.battery = percent.or(self.battery),
-            Telemetry::GpsFix(kind) => self.gps_fix = Some((kind, now)),
+            Telemetry::Gps { fix, alt_mm } => (self.gps_fix, self.gps_alt_mm) = (Some((fix, now)), alt_mm),
             Telemetry::Estimator { healthy } => self.estimator = Some((healthy, now)),
             Telemetry::OnGround(on_ground) => self.on_ground = on_ground,
             Telemetry::Origin { lat_e7, lon_e7 } => self.positions.set_origin(self.plane.place(lat_e7, lon_e7)),
@@ -136,7 +142,7 @@ impl VehicleState {
     }
 
     /// What a start still waits for, in words.
-    pub(super) fn missing(&self) -> Option<&'static str> {
+    pub(crate) fn missing(&self) -> Option<&'static str> {
         if self.odometry.is_none() {
             Some("a position near the mission's origin")
         } else if self.estimator.is_none_or(|(healthy, _)| !healthy) {
@@ -173,7 +179,9 @@ impl VehicleState {
             return TelemetryUpdate::Other;
         }
         let sane = [global.alt_mm, global.relative_mm].iter().all(|mm| mm.unsigned_abs() <= HIGHEST_MM);
-        let complete = match self.plane.place(global.lat_e7, global.lon_e7).filter(|_| sane) {
+        let place = self.plane.place(global.lat_e7, global.lon_e7);
+        self.beyond = place.is_none().then_some((global.lat_e7, global.lon_e7));
+        let complete = match place.filter(|_| sane) {
             Some(place) => self.positions.add_global(Odometry::coarse(global, place)),
             None => {
                 self.invalid = true;
