@@ -9,6 +9,7 @@ use crate::connection::{Address, Connection};
 use crate::mission::PoiMap;
 use crate::node::run::{Links, NodeEvent, RunControl, run};
 use crate::node::{Counters, Node, Settings, gate_limits};
+use crate::outlet::say;
 use crate::status_view::{StatusView, ViewMode};
 use crate::swarm_link::{SwarmAddress, SwarmSocket, system_of};
 use firmware_core::actor::Actor;
@@ -67,10 +68,11 @@ impl RealArgs {
         let Some(path) = &self.mission else { return Err(miette!("--mission is missing")) };
         let mission = Arc::new(mission::read(path)?);
         let pois = Arc::new(PoiMap::new(&mission.pois));
+        mission.layers.check(self.first_id.saturating_add(shared.count - 1)).into_diagnostic()?;
         let (autopilot_signing, swarm_signing) = shared.signing.links()?;
         // Without --swarm the link does not leave this computer.
         if let Some(text) = shared.signing.keyless_warning().filter(|_| self.swarm.is_some()) {
-            eprintln!("{text}");
+            say(text);
         }
         let base = if self.simulated { Limits::simulation() } else { Limits::default() };
         let mut nodes = Vec::new();
@@ -91,8 +93,10 @@ impl RealArgs {
                 ..Settings::new(id, actor, Arc::clone(&mission))
             };
             let settings = Settings { system: self.system.unwrap_or(settings.system), ..settings };
-            eprintln!("UAV {id}: {}", links.autopilot.describe());
-            nodes.push((Node::new(settings, shared.signing.session(Some(id))?).into_diagnostic()?, links));
+            say(&format!("UAV {id}: {}", links.autopilot.describe()));
+            let mut node = Node::new(settings, shared.signing.session(Some(id))?).into_diagnostic()?;
+            node.start_together(shared.count);
+            nodes.push((node, links));
         }
         let console = Console::default();
         let (events, received) = channel();
@@ -134,7 +138,7 @@ impl RealArgs {
                 .try_for_each(|thread| thread.join().unwrap_or_else(|_| Err(std::io::Error::other("a node panicked"))))
         });
         view.finish();
-        eprintln!("stopped: {}", parting(airborne.load(Ordering::Relaxed), self.land_on_exit));
+        say(&format!("stopped: {}", parting(airborne.load(Ordering::Relaxed), self.land_on_exit)));
         if shared.json {
             println!("{}", counters.to_json(shared.count));
         }
