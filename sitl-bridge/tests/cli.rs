@@ -52,6 +52,25 @@ fn a_fleet_without_python_or_its_packages() {
 }
 
 #[test]
+fn real_autopilots_that_cannot_be_had() {
+    let message = refused(&["swarm", "--sim", "gazebo"]);
+    assert!(message.contains("use simlink, arducopter=PROGRAM or px4=FOLDER"), "{message}");
+    let message = refused(&["swarm", "--sim", "arducopter="]);
+    assert!(message.contains("the program is missing"), "{message}");
+    let message = refused(&["swarm", "--sim", "arducopter=/nowhere/arducopter"]);
+    assert!(message.contains("/nowhere/arducopter: no such program; build ArduPilot's SITL"), "{message}");
+    let message = refused(&["swarm", "--sim", "px4=/nowhere"]);
+    assert!(message.contains("/nowhere: no bin/px4 in there"), "{message}");
+    // What simulated autopilots alone can do.
+    for option in [&["--ideal"][..], &["--px4"], &["--fleet", "{}"]] {
+        let message = refused(&[&["swarm", "--sim", "arducopter=sh"], option].concat());
+        assert!(message.contains("is for simlink alone"), "{message}");
+    }
+    let message = refused(&["swarm", "--sim", "px4=/nowhere", "--speed", "2"]);
+    assert!(message.contains("PX4 tells the host's time"), "{message}");
+}
+
+#[test]
 fn ports_that_are_taken_and_ids_that_do_not_fit() {
     let folder = tempfile::tempdir().unwrap();
     let mission = mission(folder.path());
@@ -61,6 +80,11 @@ fn ports_that_are_taken_and_ids_that_do_not_fit() {
     assert!(message.contains("another program listens there"), "{message}");
     let message = refused(&["fly", "--id", "255", "--mission", &mission, "--autopilot", "udpin:127.0.0.1:0"]);
     assert!(message.contains("ids go up to 254"), "{message}");
+    let message = refused(&["fly", "--id", "20", "--mission", &mission, "--autopilot", "udpin:127.0.0.1:0"]);
+    assert!(message.contains("UAV 20 has no altitude layer of its own: the mission has 20"), "{message}");
+    let many = ["--count", "21", "--port-step", "0", "--autopilot", "udpout:127.0.0.1:9", "--mission", &mission];
+    let message = refused(&[&["swarm"][..], &many].concat());
+    assert!(message.contains("UAV 20 has no altitude layer of its own"), "{message}");
     let message = refused(&["fly", "--id", "1", "--mission", &mission, "--autopilot", "carrier-pigeon:x"]);
     assert!(message.contains("no kind of connection"), "{message}");
     let message = refused(&["swarm", "--count", "200", "--port-step", "1000", "--mission", &mission]);

@@ -8,6 +8,7 @@ mod figures;
 mod flash;
 mod modules;
 mod setup;
+mod sitl;
 mod size;
 mod targets;
 mod test;
@@ -33,6 +34,8 @@ enum Xtask {
     Flash(flash::Args),
     /// Check that no source files depend on each other in a circle, and the dependencies between the crates.
     Modules(modules::Args),
+    /// Fly the node beside real autopilot firmware, of a build of yours, and print how each case went.
+    Sitl(sitl::Args),
     /// Run every check and test, after installing what they need.
     Test(test::Args),
 }
@@ -45,6 +48,7 @@ fn main() -> ExitCode {
         Xtask::Size(args) => size::main(&args),
         Xtask::Flash(args) => flash::main(&args),
         Xtask::Modules(args) => modules::main(&args),
+        Xtask::Sitl(args) => sitl::main(&args),
         Xtask::Test(args) => test::main(&args),
     };
     match done {

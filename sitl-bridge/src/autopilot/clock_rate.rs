@@ -7,8 +7,9 @@
 const WINDOW_MS: i64 = 2000;
 /// … and believed when so many in a row agree: a single correction of the clock is no rate.
 const WINDOWS: u8 = 3;
-/// The two clocks may differ by one part in so many: 0.5 %.
-const TOLERANCE: i64 = 200;
+/// The two clocks may differ by one part in so many: 10 %. PX4's SIH on a busy computer runs at 0.93 to 1 times
+/// real time (seen on PX4 main); a step that is so much longer for one vehicle does no harm.
+const TOLERANCE: i64 = 10;
 
 /// Measures the rate of Unix time against the vehicle's clock.
 #[derive(Clone, Copy, Debug, Default)]
@@ -72,8 +73,8 @@ mod tests {
     #[test]
     fn a_rate_is_told_once_and_a_correction_is_none() {
         assert_eq!(reports(2000, 0), [2000]);
-        assert_eq!(reports(990, 0), [990]);
-        assert!(reports(1000, 0).is_empty() && reports(1004, 0).is_empty());
+        assert_eq!(reports(850, 0), [850]);
+        assert!(reports(1000, 0).is_empty() && reports(1090, 0).is_empty() && reports(910, 0).is_empty());
         assert!(reports(1000, 7000).is_empty() && reports(1000, -7000).is_empty());
     }
 }

@@ -30,10 +30,12 @@ pub(crate) struct TimingArgs {
     /// Positions asked of the autopilot, Hz; setpoints go out as often.
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u16).range(2..=50))]
     rate_hz: u16,
-    /// From a step's start until the UAV observes, encodes and broadcasts its feature, ms.
+    /// From a step's start until the UAV observes, encodes and broadcasts its feature at the latest, ms: as soon as all
+    /// who are expected were heard it does so.
     #[arg(long, default_value_t = 400)]
     encode_ms: u16,
-    /// From a step's start until the decision, ms.
+    /// From a step's start until the decision at the latest, ms: it is made as soon as the features of all who were
+    /// observed arrived.
     #[arg(long, default_value_t = 800)]
     decide_ms: u16,
     /// Beacons a second; one at the start of each step when left out.
@@ -67,7 +69,8 @@ impl TimingArgs {
             Some(hz) => return Err(miette!("--beacon-hz {hz}: use 0.1 to 50")),
         };
         let telemetry_ms = 1000 / self.rate_hz;
-        Ok(StepTiming { encode_ms: self.encode_ms, decide_ms: self.decide_ms, beacon_ms, telemetry_ms })
+        let (encode_ms, decide_ms) = (self.encode_ms, self.decide_ms);
+        Ok(StepTiming { encode_ms, decide_ms, beacon_ms, telemetry_ms, ..StepTiming::default() })
     }
 }
 

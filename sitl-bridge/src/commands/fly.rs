@@ -80,7 +80,6 @@ impl Fly {
         let (bytes, name) = self.actor.read().into_diagnostic()?;
         let actor = flight_ready(&bytes, &name).into_diagnostic()?;
         let mission = Arc::new(mission::read(&self.mission)?);
-        mission.layers.check(self.id).into_diagnostic()?;
         let (autopilot_signing, swarm_signing) = self.signing.links()?;
         let autopilot = Connection::open(&self.autopilot).into_diagnostic().wrap_err("no link to the autopilot")?;
         let swarm = self.swarm.as_ref().map(SwarmSocket::open).transpose().into_diagnostic()?;
@@ -112,6 +111,7 @@ impl Fly {
             ..settings
         };
         let mut node = Node::new(settings, self.signing.session(None)?).into_diagnostic()?;
+        mission.layers.check(self.id).into_diagnostic()?;
         node.start_together(self.wait_for);
         let mut control = RunControl::new(stop, self.land_on_exit);
         let console = Console::default();

@@ -3,7 +3,7 @@
 use super::args::TimingArgs;
 use super::mission::hexadecimal;
 use crate::mission::Mission;
-use crate::node::{FeedForward, StepTiming};
+use crate::node::{FeedForward, Pace, StepTiming};
 use crate::replay::RecordingInfo;
 use crate::tlog::Flight;
 use firmware_core::gate::Limits;
@@ -28,7 +28,8 @@ impl Recorded {
         let Some(flight) = &info.flight else {
             let (limits, feed_forward) = by_name(kind.unwrap_or("flight"));
             let rate_hz = f64::from(timing.rate_hz());
-            return Ok(Self { limits, feed_forward, timing: timing.timing(step_ms)?, rate_hz });
+            let timing = StepTiming { pace: Pace::Deadlines, ..timing.timing(step_ms)? };
+            return Ok(Self { limits, feed_forward, timing, rate_hz });
         };
         let flown = flight.get("limits").unwrap_or("flight");
         if let Some(kind) = kind.filter(|&kind| kind != flown) {
@@ -39,7 +40,8 @@ impl Recorded {
         let recorded = recorded_timing(flight)
             .ok_or_else(|| miette!("the recording's own settings lack a time; is it from a later version?"))?;
         let rate_hz = flight.number("rate_hz").unwrap_or_else(|| f64::from(timing.rate_hz()));
-        if !timing.is_default() && (timing.timing(step_ms)? != recorded || f64::from(timing.rate_hz()) != rate_hz) {
+        let named = StepTiming { pace: recorded.pace, ..timing.timing(step_ms)? };
+        if !timing.is_default() && (named != recorded || f64::from(timing.rate_hz()) != rate_hz) {
             return Err(miette!(
                 "the recording says --encode-ms {} --decide-ms {} --rate-hz {rate_hz}{}, and the options say otherwise: \
                  leave them out",
@@ -62,9 +64,11 @@ fn by_name(kind: &str) -> (Limits, FeedForward) {
 }
 
 fn recorded_timing(flight: &Flight) -> Option<StepTiming> {
+    // Earlier versions, which say nothing of it, decided at positions after the deadlines.
+    let pace = flight.get("pace").map_or(Some(Pace::Deadlines), Pace::of_name)?;
     let beacon_ms = flight.number("beacon_ms").filter(|&ms| ms > 0);
     let (encode_ms, decide_ms) = (flight.number("encode_ms")?, flight.number("decide_ms")?);
-    Some(StepTiming { encode_ms, decide_ms, beacon_ms, telemetry_ms: flight.number("telemetry_ms")? })
+    Some(StepTiming { pace, encode_ms, decide_ms, beacon_ms, telemetry_ms: flight.number("telemetry_ms")? })
 }
 
 /// Refuses a mission that was not flown; without a word in the recording it is taken at its word.

@@ -9,6 +9,8 @@ use std::collections::BTreeMap;
 pub struct Counters {
     /// Decisions made.
     pub decisions: u64,
+    /// Sum of the times from a step's start to its decision, ms; see [`super::Decision::phase_ms`].
+    pub decision_ms: u64,
     /// Decisions that were late; see [`super::Decision::late`].
     pub late_decisions: u64,
     /// Steps in the air that ended without a decision.
@@ -51,11 +53,17 @@ impl Counters {
         }
     }
 
+    /// Mean time from a step's start to its decision, ms; 0 without decisions.
+    #[must_use]
+    pub fn decision_ms_mean(&self) -> f64 {
+        self.decision_ms as f64 / self.decisions.max(1) as f64
+    }
+
     /// One JSON object with the names that the summary of a simulated swarm uses.
     #[must_use]
     pub fn to_json(&self, uavs: u16) -> serde_json::Value {
         serde_json::json!({
-            "uavs": uavs, "decisions": self.decisions, "late_decisions": self.late_decisions,
+            "uavs": uavs, "decisions": self.decisions, "decision_ms_mean": self.decision_ms_mean(), "late_decisions": self.late_decisions,
             "missed_decisions": self.missed_decisions, "setpoints": self.setpoints,
             "limited_setpoints": self.limited_setpoints, "limited_by": self.limits(), "messages_sent": self.sent,
             "messages_received": self.received, "messages_rejected": self.rejected,
@@ -65,6 +73,7 @@ impl Counters {
     /// Adds another node's counts.
     pub fn add(&mut self, other: &Self) {
         self.decisions += other.decisions;
+        self.decision_ms += other.decision_ms;
         self.late_decisions += other.late_decisions;
         self.missed_decisions += other.missed_decisions;
         self.setpoints += other.setpoints;

@@ -26,6 +26,7 @@ impl Settings<'_> {
             .with("feed_forward", if self.feed_forward == FeedForward::Ramp { "ramp" } else { "action" })
             .with("take_off", u8::from(self.take_off))
             .with("rate_hz", self.rate_hz)
+            .with("pace", self.timing.pace.name())
             .with("encode_ms", self.timing.encode_ms)
             .with("decide_ms", self.timing.decide_ms)
             .with("telemetry_ms", self.timing.telemetry_ms)

@@ -2,7 +2,7 @@
 
 use super::autopilot_link::AutopilotLink;
 use super::counters::Counters;
-use super::decision_loop::{DecisionLoop, Measurement};
+use super::decision_loop::{DecisionLoop, Measurement, StepOutput};
 use super::ending::{Ending, last_setpoint};
 use super::gate_driver::{GateDriver, SetpointFilter};
 use super::gate_inputs::{GateContext, gate_inputs};
@@ -15,6 +15,7 @@ use super::output::NodeOutput;
 use super::refusals::{Link, Refusals};
 use super::settings::{Settings, SettingsError};
 use super::status::Status;
+use super::step_timing::Pace;
 use super::timebase::Timebase;
 use super::velocity_profile::VelocityProfile;
 use crate::autopilot::{Autopilot, Notice, Odometry, Stage, TelemetryUpdate, VehicleState};
@@ -22,11 +23,15 @@ use crate::frame::Frame;
 use crate::messages::{Payload, SetPositionTargetLocalNed, Telemetry, heartbeat};
 use crate::signing::Session;
 use crate::swarm_link::{COMPONENT, SwarmLink};
+use firmware_core::agent::AgentError;
 use firmware_core::gate::{Gate, Phase, Verdict};
 use firmware_core::geometry::State;
 
 /// Between two HEARTBEATs of the node, ms.
 const HEARTBEAT_MS: i64 = 1000;
+/// In lock-step an answer waits for other UAVs' messages for so long, ms of the host's clock: less than the
+/// simulation waits for the answer.
+const HELD_MS: u64 = 1000;
 
 /// Flies one UAV.
 #[derive(Debug)]
@@ -48,6 +53,8 @@ pub struct Node<'a> {
     pub(super) started: bool,
     /// That the vehicle stands at another place than the mission's was told.
     pub(super) place_told: bool,
+    /// Since when the answer to a position waits for the decision, ms of the host's monotonic clock.
+    held_ms: Option<u64>,
     /// The vehicle is being braked, to be let go.
     pub(super) ending: Option<Ending>,
     /// Notices of what the operator asked for, until the next turn.
@@ -97,6 +104,7 @@ impl<'a> Node<'a> {
             host_clock: HostClockFallback::default(),
             started: false,
             place_told: false,
+            held_ms: None,
             ending: None,
             answers: Vec::new(),
             heartbeat_ms: i64::MIN / 2,
@@ -236,6 +244,13 @@ impl<'a> Node<'a> {
             if self.decisions.receive(neighbour.message) {
                 self.links.swarm_heard(self.autopilot.state.now_ms(), now);
             }
+            let step = self.decisions.proceed();
+            let decided = self.take_step(step, now, out);
+            if self.held_ms.is_some() {
+                self.answer_unless_held(now, out);
+            } else if decided {
+                self.ask_gate(now, SetpointFilter::Any, out);
+            }
         }
     }
 
@@ -250,6 +265,9 @@ impl<'a> Node<'a> {
         // When positions cease the gate is asked all the same.
         if let Some(filter) = self.gate.overdue(self.autopilot.state.now_ms(), now) {
             self.ask_gate(now, filter, out);
+        }
+        if self.held_ms.is_some_and(|since_ms| now.wall_ms.saturating_sub(since_ms) >= HELD_MS) {
+            self.answer(now, out);
         }
         self.send_heartbeat(now, out);
         self.poll_autopilot(now, out);
@@ -315,6 +333,21 @@ impl<'a> Node<'a> {
             self.start();
         }
         self.check_height(out);
+        self.held_ms = Some(now.wall_ms);
+        self.answer_unless_held(now, out);
+    }
+
+    /// Answers the newest position with a setpoint. In lock-step the answer waits for a decision that other
+    /// UAVs' messages are about to bring.
+    fn answer_unless_held(&mut self, now: HostTime, out: &mut NodeOutput) {
+        let in_lock_step = self.settings.timing.pace == Pace::LockStep && self.gate.is_flying();
+        if !(in_lock_step && self.decisions.awaits_messages()) {
+            self.answer(now, out);
+        }
+    }
+
+    fn answer(&mut self, now: HostTime, out: &mut NodeOutput) {
+        self.held_ms = None;
         self.ask_gate(now, SetpointFilter::Any, out);
         self.gate.position_arrived();
     }
@@ -323,11 +356,17 @@ impl<'a> Node<'a> {
         let [east, north, _] = odometry.velocity_mps;
         let state = self.map_state(odometry);
         let measured = Measurement { common_ms, boot_ms: odometry.boot_ms, state, velocity_mps: [east, north] };
-        let step = match self.decisions.update(&measured, self.autopilot.is_airborne()) {
+        let step = self.decisions.update(&measured, self.autopilot.is_airborne());
+        self.take_step(step, now, out);
+    }
+
+    /// Hands out what the decision loop did; returns whether it decided.
+    fn take_step(&mut self, step: Result<StepOutput, AgentError>, now: HostTime, out: &mut NodeOutput) -> bool {
+        let step = match step {
             Ok(step) => step,
             Err(error) => {
                 out.notices.push(Notice::warning(error.to_string()));
-                return;
+                return false;
             }
         };
         out.steps.extend(step.started);
@@ -338,6 +377,7 @@ impl<'a> Node<'a> {
                 Err(error) => out.notices.push(Notice::warning(error.to_string())),
             }
         }
+        step.decision.is_some()
     }
 
     /// Asks the safety gate, and sends the setpoint that it lets through.
@@ -378,7 +418,10 @@ impl<'a> Node<'a> {
             self.autopilot.return_home(self.timebase.now_ms());
         }
         if let Some(setpoint) = &output.setpoint {
-            let message = SetPositionTargetLocalNed::new(inputs.now_ms.unwrap_or(0), setpoint);
+            let boot_ms = inputs.now_ms.unwrap_or(0);
+            let si = |thousandths: i32| f64::from(thousandths) / 1000.0;
+            self.decisions.commanded(boot_ms, [si(setpoint.velocity.east), si(setpoint.velocity.north)]);
+            let message = SetPositionTargetLocalNed::new(boot_ms, setpoint);
             self.send(&message.payload(self.target()), now, out);
         }
         if closes {

@@ -1,11 +1,45 @@
 //! When things happen within a step.
 
+/// What the phases of a step wait for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pace {
+    /// Each phase comes with the first position after its time, as in nodes that recorded no pace.
+    Deadlines,
+    /// A phase comes as soon as all that it awaits was heard, with a position or a neighbour's message, and at
+    /// its time at the latest. A decision between two positions is flown at once.
+    #[default]
+    Heard,
+    /// The same in a simulation that waits for an answer to every position: the answer waits for the
+    /// decision, so that a flight is the same every time.
+    LockStep,
+}
+
+impl Pace {
+    /// All with their names, as recordings have them.
+    const NAMES: [(Self, &'static str); 3] =
+        [(Self::Deadlines, "deadlines"), (Self::Heard, "heard"), (Self::LockStep, "lockstep")];
+
+    /// The name in recordings.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        Self::NAMES.iter().find(|(pace, _)| *pace == self).map_or("", |(_, name)| name)
+    }
+
+    /// The pace of a name in a recording.
+    #[must_use]
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::NAMES.iter().find(|(_, known)| *known == name).map(|&(pace, _)| pace)
+    }
+}
+
 /// The phases of a step, by the vehicle's clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StepTiming {
-    /// From a step's start until the UAV observes and encodes, ms.
+    /// What the phases wait for.
+    pub pace: Pace,
+    /// From a step's start until the UAV observes and encodes at the latest, ms.
     pub encode_ms: u16,
-    /// From a step's start until it decides, ms.
+    /// From a step's start until it decides at the latest, ms.
     pub decide_ms: u16,
     /// Between two beacons, ms; with `None` there is one at the start of each step.
     pub beacon_ms: Option<u16>,
@@ -15,6 +49,6 @@ pub struct StepTiming {
 
 impl Default for StepTiming {
     fn default() -> Self {
-        Self { encode_ms: 400, decide_ms: 800, beacon_ms: None, telemetry_ms: 200 }
+        Self { pace: Pace::Heard, encode_ms: 400, decide_ms: 800, beacon_ms: None, telemetry_ms: 200 }
     }
 }

@@ -25,11 +25,12 @@ pub enum FeedForward {
     Action,
 }
 
-/// The velocity profile of a decision: a ramp from the velocity measured when it was made to the
-/// action's next velocity, with the greatest acceleration of the scenario, then that velocity.
+/// The velocity profile of a decision: a ramp from the velocity of the setpoint before it (or the one
+/// measured) to the action's next velocity, with the greatest acceleration of the scenario, then that
+/// velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VelocityProfile {
-    /// `time_boot_ms` when the decision was made.
+    /// `time_boot_ms` when the ramp begins: that of the setpoint before the decision, or of the decision.
     pub decided_ms: u32,
     /// The action that was decided.
     pub action: Action,
@@ -43,17 +44,17 @@ pub struct VelocityProfile {
 
 impl VelocityProfile {
     /// The profile of `action`. `observed` is the velocity in the observation, ticks/step;
-    /// `measured_mps` is the velocity east and north when the decision was made, m/s.
+    /// `from_mps` is the velocity east and north that the ramp begins with at `decided_ms`, m/s.
     #[must_use]
-    pub fn new(action: Action, decided_ms: u32, observed: Vec2, measured_mps: [f64; 2], scale: Scale) -> Self {
+    pub fn new(action: Action, decided_ms: u32, observed: Vec2, from_mps: [f64; 2], scale: Scale) -> Self {
         let next = action.next_velocity(observed.to_u());
         let to_mps = [next.0, next.1].map(|v| scale.mps(v));
         let (ax, ay) = action.acceleration();
-        let change = (to_mps[0] - measured_mps[0]).hypot(to_mps[1] - measured_mps[1]);
+        let change = (to_mps[0] - from_mps[0]).hypot(to_mps[1] - from_mps[1]);
         Self {
             decided_ms,
             action,
-            from_mps: measured_mps,
+            from_mps,
             to_mps,
             ramp_s: change / scale.mps2(SPEED_CAP_U as f32),
             action_mps2: [ax, ay].map(|a| scale.mps2(a)),
@@ -61,9 +62,9 @@ impl VelocityProfile {
         }
     }
 
-    /// Velocity east and north when the decision was made, m/s.
+    /// Velocity east and north that the ramp begins with, m/s.
     #[must_use]
-    pub const fn measured_mps(&self) -> [f64; 2] {
+    pub const fn from_mps(&self) -> [f64; 2] {
         self.from_mps
     }
 

@@ -254,8 +254,9 @@ impl ReplayCheck {
         }
         self.report.compared += 1;
         self.report.setpoints += case.recorded.len() as u64;
-        let again: BTreeMap<u32, SetpointValues> = case.replayed.iter().copied().collect();
-        let same = |(at, flown): &&(u32, SetpointValues)| again.get(at).is_some_and(|other| other.is(flown));
+        let same = |(at, flown): &&(u32, SetpointValues)| {
+            case.replayed.iter().any(|(other_at, other)| other_at == at && other.is(flown))
+        };
         let other = case.recorded.iter().filter(|r| !same(r)).count() as u64;
         if other == 0 {
             self.report.equal += 1;
@@ -287,13 +288,8 @@ impl ReplayCheck {
         let apart = |index: u8| {
             let action = Action::new(index).unwrap_or(Action::COAST);
             let velocity = case.decision.state.velocity;
-            let profile = VelocityProfile::new(
-                action,
-                case.profile.decided_ms,
-                velocity,
-                case.profile.measured_mps(),
-                self.scale,
-            );
+            let profile =
+                VelocityProfile::new(action, case.profile.decided_ms, velocity, case.profile.from_mps(), self.scale);
             let one =
                 |(at, flown): &(u32, SetpointValues)| SetpointValues::of(&profile, *at, self.feed_forward).apart(flown);
             moving().map(one).sum::<f64>()

@@ -68,6 +68,17 @@ pub enum SimulationError {
         /// Why.
         source: io::Error,
     },
+    /// The autopilots' files have no folder.
+    #[error("no folder for the autopilots' files among the temporary ones: {0}")]
+    Folder(io::Error),
+    /// Real autopilots said nothing that their nodes could use.
+    #[error("no autopilot tells the time after {seconds} s: {who}")]
+    Silent {
+        /// How long they were waited for, s.
+        seconds: u64,
+        /// The UAVs that are missing, with the last notice of each.
+        who: String,
+    },
     /// The caller stopped it.
     #[error("stopped")]
     Stopped,

@@ -1,4 +1,4 @@
-//! The fleet of simulated autopilots: a process of `python -m simlink`.
+//! The fleet of autopilots: a process of `python -m simlink`, or of `python -m sitl`.
 
 use serde_json::Value;
 use std::io::{self, BufRead as _, BufReader, Write as _};
@@ -66,14 +66,14 @@ pub struct Fleet {
 }
 
 impl Fleet {
-    /// Starts a fleet and waits until it is ready.
+    /// Starts the fleet of a Python package, `simlink` or `sitl`, and waits until it is ready.
     ///
     /// # Errors
     /// See [`FleetError`].
-    pub fn start(python: &Path, config: &Value, verbose: bool) -> Result<Self, FleetError> {
+    pub fn start(python: &Path, package: &str, config: &Value, verbose: bool) -> Result<Self, FleetError> {
         let failed = |source| FleetError::Start { python: python.to_owned(), source };
         let mut child = Command::new(python)
-            .args(["-m", "simlink"])
+            .args(["-m", package])
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())

@@ -3,14 +3,15 @@
 use super::comparison::compare;
 use super::error::SimulationError;
 use super::fleet::Fleet;
-use super::fleet_config::fleet_config;
+use super::fleet_config::{fleet_config, real_fleet_config};
 use super::flight_driver::FlightDriver;
-use super::settings::Simulation;
+use super::run_folder::RunFolder;
+use super::settings::{START_UNIX_MS, Simulation};
 use super::world_flight::WorldFlight;
 use crate::connection::{Address, Connection};
 use crate::mission::{Mission, PoiMap};
 use crate::node::run::{Links, NodeEvent, RunControl, run};
-use crate::node::{FeedForward, Node, Settings, gate_limits};
+use crate::node::{FeedForward, Node, Pace, Settings, StepTiming, gate_limits};
 use crate::signing::Session;
 use crate::swarm_link::{SwarmAddress, SwarmSocket};
 use crate::tlog::TlogWriter;
@@ -25,6 +26,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
 use std::sync::mpsc::channel;
 use std::thread;
+use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Flies a world once; until all UAVs stream setpoints, the fleet runs at `bring_up_speed` times real
 /// time.
@@ -67,9 +69,12 @@ pub(super) fn fly_world(
             .collect();
         drop(events);
         // Whatever goes wrong, the threads must end.
-        let flown = Fleet::start(&sim.python, &fleet_config(sim, world, &mission, &ports, bring_up_speed), sim.verbose)
-            .map_err(SimulationError::from)
-            .and_then(|fleet| FlightDriver::new(sim, world, &mission, fleet, &received, stop, &epoch_ms).drive());
+        let flown = start_fleet(sim, index, world, &mission, &ports, bring_up_speed).and_then(|started| {
+            let StartedFleet { fleet, start_ms, mut folder } = started;
+            FlightDriver::new(sim, world, &mission, fleet, start_ms, &received, stop, &epoch_ms)
+                .drive()
+                .inspect_err(|_| told_where(folder.as_mut()))
+        });
         landed.store(true, Ordering::Relaxed);
         for (id, thread) in threads.into_iter().enumerate() {
             let ended = thread.join().unwrap_or_else(|_| Err(io::Error::other("it panicked")));
@@ -83,10 +88,48 @@ pub(super) fn fly_world(
                 flight.counters.add(&counters);
             }
         }
+        flight.count_decisions();
         keep_mission(sim, index, &mission, epoch_ms.load(Ordering::Relaxed))?;
         compare(sim, index, world, &mut flight);
         Ok(flight)
     })
+}
+
+struct StartedFleet {
+    fleet: Fleet,
+    /// Its clock at the start, Unix time in ms.
+    start_ms: i64,
+    /// The files of real autopilots.
+    folder: Option<RunFolder>,
+}
+
+fn start_fleet(
+    sim: &Simulation<'_>,
+    index: u64,
+    world: &World,
+    mission: &Mission,
+    ports: &[u16],
+    bring_up_speed: f64,
+) -> Result<StartedFleet, SimulationError> {
+    let package = sim.autopilots.package();
+    if !sim.autopilots.is_real() {
+        let config = fleet_config(sim, world, mission, ports, bring_up_speed);
+        let fleet = Fleet::start(&sim.python, package, &config, sim.verbose)?;
+        return Ok(StartedFleet { fleet, start_ms: START_UNIX_MS, folder: None });
+    }
+    let mut folder = RunFolder::create(index).map_err(SimulationError::Folder)?;
+    let config = real_fleet_config(sim, world, mission, ports, folder.path());
+    let start_ms = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_millis() as i64;
+    let fleet =
+        Fleet::start(&sim.python, package, &config, sim.verbose).inspect_err(|_| told_where(Some(&mut folder)))?;
+    Ok(StartedFleet { fleet, start_ms, folder: Some(folder) })
+}
+
+/// Keeps the files of autopilots whose flight failed, and says where they are.
+fn told_where(folder: Option<&mut RunFolder>) {
+    if let Some(folder) = folder {
+        eprintln!("the autopilots' files and output are kept in {}", folder.keep().display());
+    }
 }
 
 /// Writes the mission as it was flown beside the recordings, which can be replayed with it.
@@ -155,7 +198,7 @@ fn settings<'a>(
     let limits = gate_limits(base, mission);
     Settings {
         pois: Arc::clone(pois),
-        timing: sim.timing,
+        timing: StepTiming { pace: if sim.speed.is_none() { Pace::LockStep } else { Pace::Heard }, ..sim.timing },
         limits,
         feed_forward: if sim.ideal { FeedForward::Action } else { FeedForward::Ramp },
         take_off: true,

@@ -3,7 +3,7 @@
 use super::coverage::true_share;
 use super::error::SimulationError;
 use super::fleet::Fleet;
-use super::settings::{START_UNIX_MS, Simulation};
+use super::settings::Simulation;
 use super::world_flight::WorldFlight;
 use crate::autopilot::Stage;
 use crate::mission::Mission;
@@ -20,6 +20,8 @@ use std::time::{Duration, Instant};
 const BRING_UP_MS: i64 = 5 * 60_000;
 /// From the moment when all are in the air to step 0, simulated ms.
 const LEAD_TIME_MS: i64 = 10_000;
+/// Before any node knows the time, its autopilot must have told it by then.
+const SILENT: Duration = Duration::from_secs(120);
 /// A flight in which no step starts for so long has failed.
 const STALLED: Duration = Duration::from_secs(20);
 
@@ -34,6 +36,8 @@ pub(super) struct FlightDriver<'s, 'a> {
     epoch_ms: &'s AtomicI64,
     stages: Vec<Stage>,
     last_notices: Vec<String>,
+    /// The vehicles' clock at the start, and the latest that a node told; Unix time, ms.
+    start_ms: i64,
     clock_ms: i64,
     flight: WorldFlight,
     /// Steps begun by each UAV.
@@ -44,11 +48,13 @@ pub(super) struct FlightDriver<'s, 'a> {
 }
 
 impl<'s, 'a> FlightDriver<'s, 'a> {
+    #[expect(clippy::too_many_arguments, reason = "one place calls it, with all that the flight needs")]
     pub(super) fn new(
         sim: &'s Simulation<'a>,
         world: &'s World,
         mission: &Mission,
         fleet: Fleet,
+        start_ms: i64,
         events: &'s Receiver<(usize, NodeEvent)>,
         stop: &'s AtomicBool,
         epoch_ms: &'s AtomicI64,
@@ -64,7 +70,8 @@ impl<'s, 'a> FlightDriver<'s, 'a> {
             epoch_ms,
             stages: vec![Stage::Silent; uavs],
             last_notices: vec![String::new(); uavs],
-            clock_ms: START_UNIX_MS,
+            start_ms,
+            clock_ms: start_ms,
             flight: WorldFlight {
                 states: vec![vec![None; uavs]; steps + 1],
                 decisions: vec![vec![None; uavs]; steps],
@@ -81,13 +88,16 @@ impl<'s, 'a> FlightDriver<'s, 'a> {
         let began = Instant::now();
         while self.stages.iter().any(|&stage| stage != Stage::Flying) {
             self.turn()?;
-            if self.clock_ms - START_UNIX_MS > BRING_UP_MS || self.stages.contains(&Stage::Failed) {
+            if self.clock_ms == self.start_ms && began.elapsed() > SILENT {
+                return Err(SimulationError::Silent { seconds: SILENT.as_secs(), who: self.missing() });
+            }
+            if self.clock_ms - self.start_ms > BRING_UP_MS || self.stages.contains(&Stage::Failed) {
                 return Err(SimulationError::NotAirborne { minutes: BRING_UP_MS / 60_000, who: self.missing() });
             }
         }
         // A boundary of the fleet's own ticks, which divide a step.
         let epoch_ms =
-            START_UNIX_MS + (self.clock_ms - START_UNIX_MS + LEAD_TIME_MS).div_euclid(self.step_ms) * self.step_ms;
+            self.start_ms + (self.clock_ms - self.start_ms + LEAD_TIME_MS).div_euclid(self.step_ms) * self.step_ms;
         self.fleet.command(&json!({"epoch_unix_ms": epoch_ms}));
         self.epoch_ms.store(epoch_ms, Ordering::Relaxed);
         self.last_step = Instant::now();

@@ -1,6 +1,7 @@
 //! Runs a simulation, world after world.
 
 use super::error::SimulationError;
+use super::fleet_kind::FleetKind;
 use super::flight::{fly_world, set_recordings_aside};
 use super::settings::Simulation;
 use super::summary::Summary;
@@ -26,13 +27,21 @@ impl Simulation<'_> {
         stop: &Arc<AtomicBool>,
         mut done: impl FnMut(u64, &WorldFlight),
     ) -> Result<Summary, SimulationError> {
-        let mut summary = Summary::new(self.scenario.uavs, self.scenario.steps);
+        let mut summary = Summary::new(&self.autopilots, self.scenario.uavs, self.scenario.steps);
         for index in worlds {
-            let flight = self.fly(index, stop)?;
+            let mut flight = self.fly(index, stop)?;
+            if self.autopilots.is_real() {
+                flight.simlink_coverage = Some(self.on_simlink().fly(index, stop)?.coverage);
+            }
             summary.add(&flight);
             done(index, &flight);
         }
         Ok(summary)
+    }
+
+    /// The same simulation on simlink, which real autopilots are held against; nothing of it is recorded.
+    fn on_simlink(&self) -> Self {
+        Self { autopilots: FleetKind::Simlink, speed: None, tlogs: None, ..self.clone() }
     }
 
     /// Flies one world.

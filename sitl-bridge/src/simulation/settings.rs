@@ -1,6 +1,7 @@
 //! Settings of a simulation.
 
 use super::fleet::find_python;
+use super::fleet_kind::FleetKind;
 use crate::mission::{Layers, Mission, Origin, OriginError, square_fence};
 use crate::node::StepTiming;
 use crate::signing::LinkSigning;
@@ -25,11 +26,14 @@ pub struct Simulation<'a> {
     pub seed: u64,
     /// Whether actions are sampled or the most likely ones.
     pub mode: Mode,
+    /// The autopilots.
+    pub autopilots: FleetKind,
     /// Vehicles have the scenario's own dynamics instead of those of a point mass with lag and drag.
     pub ideal: bool,
     /// Simulated autopilots are PX4 instead of ArduPilot.
     pub px4: bool,
-    /// So many times real time, by the host's clock; in lock-step when left out.
+    /// So many times real time, by the host's clock; when left out, simlink runs in lock-step and real firmware
+    /// in real time.
     pub speed: Option<f64>,
     /// The phases of a step.
     pub timing: StepTiming,
@@ -64,6 +68,7 @@ impl<'a> Simulation<'a> {
             scenario,
             seed: 777,
             mode: Mode::Sample,
+            autopilots: FleetKind::Simlink,
             ideal: false,
             px4: false,
             speed: None,

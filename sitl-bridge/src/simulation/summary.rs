@@ -1,5 +1,6 @@
 //! The summary of a simulation.
 
+use super::fleet_kind::FleetKind;
 use super::world_flight::WorldFlight;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -8,6 +9,8 @@ use std::fmt;
 /// The summary of a simulation: what `swarm --sim --json` ends with.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
+    /// The autopilots: simlink, arducopter or px4.
+    pub autopilots: &'static str,
     /// UAVs in each world.
     pub uavs: usize,
     /// Worlds flown.
@@ -18,6 +21,14 @@ pub struct Summary {
     pub coverage_mean: f64,
     /// The same, by the true positions of the simulated vehicles.
     pub true_coverage_mean: f64,
+    /// The same worlds flown on simlink, beside real autopilots.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub simlink_coverage_mean: Option<f64>,
+    /// Coverage flown over the trainer's, and its standard error over worlds, in pairs; without one of a single world.
+    pub share_of_trainer: f64,
+    /// See [`Summary::share_of_trainer`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub share_standard_error: Option<f64>,
     /// The same, of the trainer's int8 evaluation of the same worlds.
     pub trainer_coverage_mean: f64,
     /// Simulated time over the host's, from the first step to the last.
@@ -26,6 +37,8 @@ pub struct Summary {
     pub realtime_factor_overall: f64,
     /// Decisions made.
     pub decisions: u64,
+    /// Mean time from a step's start to its decision, ms.
+    pub decision_ms_mean: f64,
     /// Decisions equal to the trainer's; see `docs/bridge.md`.
     pub decisions_equal_to_trainer: u64,
     /// Decisions that could be compared.
@@ -48,6 +61,9 @@ pub struct Summary {
     pub messages_rejected: BTreeMap<&'static str, u64>,
     /// The fleet's events of time-outs, failsafes, crashes and errors.
     pub fleet_troubles: u64,
+    /// Coverage flown less the trainer's, world by world.
+    #[serde(skip)]
+    differences: Vec<f64>,
     #[serde(skip)]
     simulated_s: f64,
     #[serde(skip)]
@@ -59,8 +75,8 @@ pub struct Summary {
 impl Summary {
     /// A summary without worlds.
     #[must_use]
-    pub fn new(uavs: usize, steps: u32) -> Self {
-        Self { uavs, steps, ..Self::default() }
+    pub fn new(autopilots: &FleetKind, uavs: usize, steps: u32) -> Self {
+        Self { autopilots: autopilots.name(), uavs, steps, ..Self::default() }
     }
 
     /// Adds a world.
@@ -71,13 +87,22 @@ impl Summary {
         mean(&mut self.coverage_mean, average(&flight.coverage), self.worlds);
         mean(&mut self.true_coverage_mean, average(&flight.true_coverage), self.worlds);
         mean(&mut self.trainer_coverage_mean, average(&flight.trainer_coverage), self.worlds);
+        if let Some(simlink) = &flight.simlink_coverage {
+            mean(self.simlink_coverage_mean.get_or_insert_default(), average(simlink), self.worlds);
+        }
+        self.differences.push(average(&flight.coverage) - average(&flight.trainer_coverage));
+        self.share_of_trainer = self.coverage_mean / self.trainer_coverage_mean.max(1e-9);
+        self.share_standard_error =
+            standard_error(&self.differences).map(|error| error / self.trainer_coverage_mean.max(1e-9));
         self.simulated_s += flight.simulated_s;
         self.wall_s += flight.wall_s;
         self.bring_up_s += flight.bring_up_s;
         self.realtime_factor = self.simulated_s / self.wall_s.max(1e-9);
         self.realtime_factor_overall = self.simulated_s / (self.wall_s + self.bring_up_s).max(1e-9);
         let counters = &flight.counters;
-        self.decisions += counters.decisions;
+        let decisions = self.decisions + counters.decisions;
+        let decision_ms = self.decision_ms_mean * self.decisions as f64 + counters.decision_ms as f64;
+        (self.decisions, self.decision_ms_mean) = (decisions, decision_ms / decisions.max(1) as f64);
         self.decisions_equal_to_trainer += flight.equal;
         self.decisions_compared += flight.compared;
         self.late_decisions += counters.late_decisions;
@@ -96,22 +121,37 @@ impl Summary {
     }
 }
 
+/// The standard error of the mean; `None` of fewer than two values.
+fn standard_error(values: &[f64]) -> Option<f64> {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (values.len() > 1).then(|| (squares / (n - 1.0) / n).sqrt())
+}
+
 /// For people.
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { uavs, worlds, steps, .. } = self;
-        writeln!(f, "{uavs} UAVs, {worlds} worlds of {steps} steps")?;
-        let share = 100.0 * self.coverage_mean / self.trainer_coverage_mean.max(1e-9);
+        writeln!(f, "{uavs} UAVs on {}, {worlds} worlds of {steps} steps", self.autopilots)?;
+        let error = self.share_standard_error.map_or_else(String::new, |error| format!(" ±{:.1}", 100.0 * error));
         writeln!(
             f,
-            "coverage       {:.4}; the trainer's int8 evaluation {:.4} ({share:.1} %)",
-            self.coverage_mean, self.trainer_coverage_mean
+            "coverage       {:.4}; the trainer's int8 evaluation {:.4} ({:.1}{error} %)",
+            self.coverage_mean,
+            self.trainer_coverage_mean,
+            100.0 * self.share_of_trainer
         )?;
+        if let Some(simlink) = self.simlink_coverage_mean {
+            let share = 100.0 * simlink / self.trainer_coverage_mean.max(1e-9);
+            writeln!(f, "on simlink     {simlink:.4} ({share:.1} %); true positions {:.4}", self.true_coverage_mean)?;
+        }
         writeln!(f, "real time      x {:.1} ({:.1} with takeoff)", self.realtime_factor, self.realtime_factor_overall)?;
         writeln!(
             f,
-            "decisions      {}, {} late, {} missed; {} of {} as the trainer's",
+            "decisions      {}, {:.0} ms after the step's start, {} late, {} missed; {} of {} as the trainer's",
             self.decisions,
+            self.decision_ms_mean,
             self.late_decisions,
             self.missed_decisions,
             self.decisions_equal_to_trainer,

@@ -17,6 +17,8 @@ pub struct WorldFlight {
     pub coverage: Vec<f64>,
     /// The same, by the true positions of the simulated vehicles.
     pub true_coverage: Vec<f64>,
+    /// The same, flown on simlink, where real autopilots flew.
+    pub simlink_coverage: Option<Vec<f64>>,
     /// The same in the trainer's flight.
     pub trainer_coverage: Vec<f64>,
     /// Metrics of the trainer's flight.
@@ -28,7 +30,7 @@ pub struct WorldFlight {
     pub compared: u64,
     /// The first decision that differs from the trainer's, in words.
     pub first_difference: Option<String>,
-    /// Counts of all nodes.
+    /// Counts of all nodes; decisions are those of the flight's steps.
     pub counters: Counters,
     /// Simulated time of the steps, s.
     pub simulated_s: f64,
@@ -38,4 +40,15 @@ pub struct WorldFlight {
     pub bring_up_s: f64,
     /// The fleet's events of time-outs, failsafes, crashes and errors.
     pub trouble: Vec<Value>,
+}
+
+impl WorldFlight {
+    /// Counts the decisions of the flight's steps. Some nodes begin the step after the last and decide in
+    /// it, others are ended before.
+    pub(super) fn count_decisions(&mut self) {
+        let decisions = || self.decisions.iter().flatten().flatten();
+        self.counters.decisions = decisions().count() as u64;
+        self.counters.late_decisions = decisions().filter(|decision| decision.late).count() as u64;
+        self.counters.decision_ms = decisions().map(|decision| u64::from(decision.phase_ms)).sum();
+    }
 }

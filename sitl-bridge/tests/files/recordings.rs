@@ -15,7 +15,9 @@ use flown::mission;
 use sitl_bridge::autopilot::Firmware;
 use sitl_bridge::frame::{Encoder, Frame, Source};
 use sitl_bridge::mission::{Mission, PoiMap};
-use sitl_bridge::node::{FeedForward, HostTime, Node, NodeOutput, OperatorCommand, Settings, StepTiming, gate_limits};
+use sitl_bridge::node::{
+    FeedForward, HostTime, Node, NodeOutput, OperatorCommand, Pace, Settings, StepTiming, gate_limits,
+};
 use sitl_bridge::replay::{RecordingInfo, Replay, ReplayCheck, ReplayReport};
 use sitl_bridge::signing::{LinkSigning, Session};
 use sitl_bridge::tlog::{Note, NoteReader, TlogReader, TlogWriter, flight_folder};
@@ -87,7 +89,11 @@ impl Recorded {
     fn new(memory: Memory, with_notes: bool) -> Self {
         let bytes: &'static [u8] = fs::read(ACTOR).unwrap().leak();
         let mission = mission();
-        let settings = settings(Actor::load(bytes).unwrap(), &mission, true);
+        let mut settings = settings(Actor::load(bytes).unwrap(), &mission, true);
+        if !with_notes {
+            // As earlier versions flew.
+            settings.timing.pace = Pace::Deadlines;
+        }
         let mut tlog = TlogWriter::to(memory).unwrap();
         if with_notes {
             tlog.note(START_US, 4, &Note::Flight(settings.flight()));

@@ -227,7 +227,7 @@ fn a_killed_node_leaves_the_autopilots_own_timeout_to_stop_it() {
         "guided_timeout_s": 1,
     });
     let python = sitl_bridge::simulation::find_python(None);
-    let mut fleet = sitl_bridge::simulation::Fleet::start(&python, &config, false).unwrap();
+    let mut fleet = sitl_bridge::simulation::Fleet::start(&python, "simlink", &config, false).unwrap();
     let mut events = Vec::new();
     let mut killed_ms = None;
     let named = |events: &[Value], name: &str| events.iter().find(|e: &&Value| e["event"] == name).cloned();

@@ -86,7 +86,7 @@ impl Swarm {
                 thread::spawn(move || run(&mut node, links, &control, usize::from(id), &send))
             })
             .collect();
-        let fleet = Fleet::start(&find_python(None), &fleet_config(plan, &ports), false);
+        let fleet = Fleet::start(&find_python(None), "simlink", &fleet_config(plan, &ports), false);
         let fleet = fleet.unwrap_or_else(|error| panic!("{error}"));
         Self { fleet, reports, stop, threads }
     }

@@ -66,7 +66,9 @@ impl VehicleLink {
             if link.vehicle.setpoints.is_empty() {
                 link.second();
             } else {
-                (0..TICKS_A_SECOND).for_each(|_| drop(link.tick()));
+                for _ in 0..TICKS_A_SECOND {
+                    link.tick();
+                }
             }
             seconds += 1;
         }

@@ -26,7 +26,7 @@ use graph::Graph;
 use packages::{Package, packages};
 
 /// The Python packages that are checked, as paths from the workspace root.
-const PYTHON: [&str; 1] = ["sitl-bridge/simlink"];
+const PYTHON: [&str; 2] = ["sitl-bridge/simlink", "sitl-bridge/sitl"];
 
 /// Options of `cargo xtask modules`.
 #[derive(clap::Args)]

@@ -52,6 +52,7 @@ pub const STEPS: &[Step] = &[
     },
     Step { env: Some(("RUSTDOCFLAGS", "-D warnings")), ..Step::cargo("doc", &["doc", "--workspace", "--no-deps"]) },
     Step { needs: &[Item::Simlink], python: true, ..Step::cargo("simlink", &["-m", "simlink.tests"]) },
+    Step { needs: &[Item::Simlink], python: true, ..Step::cargo("sitl", &["-m", "sitl.tests"]) },
     // Debug builds check for integer overflow, which must never occur in the on-board arithmetic.
     Step::cargo("core-debug", &["test", "--package", "firmware-core", "--no-fail-fast"]),
     Step { needs: targets::NEEDS, ..Step::cargo("targets", &["xtask", "targets"]) },

@@ -6,6 +6,7 @@ use super::simulated::SimulatedArgs;
 use crate::commands::actor_file::flight_ready;
 use crate::commands::console::stop_flag;
 use crate::outlet::say;
+use crate::simulation::FleetKind;
 use crate::tlog::flight_folder;
 use miette::{IntoDiagnostic as _, Result, WrapErr as _};
 
@@ -14,9 +15,15 @@ use miette::{IntoDiagnostic as _, Result, WrapErr as _};
 pub(crate) struct Swarm {
     #[command(flatten)]
     shared: SharedArgs,
-    /// Fly against simulated autopilots, started here, and compare with the trainer.
-    #[arg(long)]
-    sim: bool,
+    /// Fly against autopilots that are started here, and compare with the trainer: simlink, Covey's own simulated
+    /// ones, when left out; ArduPilot's Copter built for SITL; or PX4 from its build folder, in its built-in vehicle.
+    #[arg(
+        long,
+        value_name = "arducopter=PROGRAM|px4=FOLDER",
+        num_args = 0..=1,
+        default_missing_value = "simlink"
+    )]
+    sim: Option<FleetKind>,
     #[command(flatten)]
     real: RealArgs,
     #[command(flatten)]
@@ -44,10 +51,9 @@ impl Swarm {
             }
             *folder = fresh;
         }
-        if self.sim {
-            self.simulated.simulate(self.shared, actor, &stop)
-        } else {
-            self.real.fly(&self.shared, actor, &stop)
+        match self.sim {
+            Some(autopilots) => self.simulated.simulate(autopilots, self.shared, actor, &stop),
+            None => self.real.fly(&self.shared, actor, &stop),
         }
     }
 }

@@ -68,7 +68,6 @@ impl RealArgs {
         let Some(path) = &self.mission else { return Err(miette!("--mission is missing")) };
         let mission = Arc::new(mission::read(path)?);
         let pois = Arc::new(PoiMap::new(&mission.pois));
-        mission.layers.check(self.first_id.saturating_add(shared.count - 1)).into_diagnostic()?;
         let (autopilot_signing, swarm_signing) = shared.signing.links()?;
         // Without --swarm the link does not leave this computer.
         if let Some(text) = shared.signing.keyless_warning().filter(|_| self.swarm.is_some()) {
@@ -78,6 +77,7 @@ impl RealArgs {
         let mut nodes = Vec::new();
         for (i, links) in self.links(shared)?.into_iter().enumerate() {
             let id = self.first_id + i as u16;
+            mission.layers.check(id).into_diagnostic()?;
             let settings = Settings {
                 vehicle_system: self.vehicle_of(i, id)?,
                 pois: Arc::clone(&pois),

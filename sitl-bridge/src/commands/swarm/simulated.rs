@@ -1,7 +1,7 @@
 //! `swarm --sim`: against simulated autopilots.
 
 use super::shared::SharedArgs;
-use crate::simulation::{Page, Simulation, WorldFlight, find_python};
+use crate::simulation::{FleetKind, Page, Simulation, WorldFlight, find_python};
 use crate::status_view::ViewMode;
 use covey_env::Scenario;
 use firmware_core::actor::{Actor, Mode};
@@ -34,7 +34,8 @@ pub(super) struct SimulatedArgs {
     /// Steps in a world.
     #[arg(long, default_value_t = 100)]
     steps: u32,
-    /// Run at so many times real time instead of as fast as nodes and fleet can together.
+    /// Run at so many times real time: simlink otherwise as fast as nodes and fleet can together, real firmware in
+    /// real time.
     #[arg(long, requires = "sim")]
     speed: Option<f64>,
     /// Take the most likely action instead of drawing one.
@@ -56,21 +57,42 @@ fn object(text: &str) -> Result<serde_json::Map<String, serde_json::Value>, Stri
 }
 
 impl SimulatedArgs {
+    fn check(&self, autopilots: &FleetKind, shared: &SharedArgs) -> Result<()> {
+        if self.speed.is_some_and(|speed| !(0.1..=1000.0).contains(&speed)) {
+            return Err(miette!("--speed: use 0.1 to 1000"));
+        }
+        if autopilots.is_real()
+            && let Some(option) = only_simlink(self, shared)
+        {
+            return Err(miette!("{option} is for simlink alone, not for --sim {}", autopilots.name()));
+        }
+        // Its SYSTEM_TIME is the host's clock, which runs at another speed then.
+        if matches!(autopilots, FleetKind::Px4(_)) && self.speed.is_some_and(|speed| (speed - 1.0).abs() > 1e-9) {
+            return Err(miette!("--speed: PX4 tells the host's time, so it flies at 1 times real time only"));
+        }
+        Ok(())
+    }
+
     /// Flies the worlds until the last step, or until `stop` is set.
     ///
     /// # Errors
     /// The settings are refused, the simulation fails, or the page cannot be written.
-    pub fn simulate(self, shared: SharedArgs, actor: Actor<'_>, stop: &Arc<AtomicBool>) -> Result<()> {
+    pub fn simulate(
+        self,
+        autopilots: FleetKind,
+        shared: SharedArgs,
+        actor: Actor<'_>,
+        stop: &Arc<AtomicBool>,
+    ) -> Result<()> {
+        self.check(&autopilots, &shared)?;
         let scenario =
             Scenario { uavs: usize::from(shared.count), pois: self.pois, steps: self.steps, ..Scenario::default() };
         scenario.validate().into_diagnostic()?;
-        if self.speed.is_some_and(|speed| !(0.1..=1000.0).contains(&speed)) {
-            return Err(miette!("--speed: use 0.1 to 1000"));
-        }
         let timing = shared.timing.timing(firmware_core::neighbour_table::DEFAULT_STEP_MS)?;
         let simulation = Simulation {
             seed: self.seed,
             mode: if self.argmax { Mode::Argmax } else { Mode::Sample },
+            autopilots,
             ideal: self.ideal,
             px4: self.px4,
             speed: self.speed,
@@ -108,6 +130,21 @@ impl SimulatedArgs {
             println!("{summary}");
         }
         Ok(())
+    }
+}
+
+/// Refuses what only simlink can do, where real firmware flies.
+fn only_simlink(args: &SimulatedArgs, shared: &SharedArgs) -> Option<&'static str> {
+    if args.ideal {
+        Some("--ideal")
+    } else if args.px4 {
+        Some("--px4")
+    } else if args.fleet.is_some() {
+        Some("--fleet")
+    } else if shared.signing.key_file().is_some() {
+        Some("--key-file")
+    } else {
+        None
     }
 }
 

@@ -85,7 +85,11 @@ impl Page {
         ];
         let scenario = &sim.scenario;
         Report {
-            title: format!("Covey: {} UAVs over simulated autopilots", scenario.uavs),
+            title: format!(
+                "Covey: {} UAVs over {}",
+                scenario.uavs,
+                if sim.autopilots.is_real() { sim.autopilots.to_string() } else { "simulated autopilots".into() }
+            ),
             subtitle: format!(
                 "{worlds} world{} of seed {} · {} PoIs · {} steps",
                 if worlds == 1 { "" } else { "s" },

@@ -1,5 +1,6 @@
 //! The figures, the table and the settings in the page.
 
+use crate::simulation::fleet_kind::FleetKind;
 use crate::simulation::settings::Simulation;
 use crate::simulation::summary::Summary;
 use crate::simulation::world_flight::WorldFlight;
@@ -19,12 +20,18 @@ pub(super) fn figures(summary: &Summary) -> Vec<Figure> {
         |label: &str, value, unit: &str, note: String| Figure { label: label.into(), value, unit: unit.into(), note };
     let share = |part: u64, whole: u64| estimate(100.0 * part as f64 / whole.max(1) as f64, 1);
     let trained = summary.trainer_coverage_mean;
-    vec![
+    let simlink = summary.simlink_coverage_mean.map(|mean| {
+        figure("Coverage index, simlink", estimate(mean, 3), "", "the same worlds on simulated autopilots".into())
+    });
+    let mut figures = vec![
         figure("Coverage index, flown", estimate(summary.coverage_mean, 3), "", "as the nodes measured it".into()),
         figure("Coverage index, trainer", estimate(trained, 3), "", "int8 evaluation of the same worlds".into()),
         figure(
             "Share of the trainer's",
-            estimate(100.0 * summary.coverage_mean / trained.max(1e-9), 1),
+            Estimate {
+                standard_error: summary.share_standard_error.map(|error| 100.0 * error),
+                ..estimate(100.0 * summary.share_of_trainer, 1)
+            },
             "%",
             String::new(),
         ),
@@ -35,7 +42,9 @@ pub(super) fn figures(summary: &Summary) -> Vec<Figure> {
             format!("of {} compared", summary.decisions_compared),
         ),
         figure("Faster than real time", estimate(summary.realtime_factor, 1), "×", "from step 0 to the last".into()),
-    ]
+    ];
+    figures.splice(2..2, simlink);
+    figures
 }
 
 pub(super) fn columns() -> Vec<Column> {
@@ -43,6 +52,7 @@ pub(super) fn columns() -> Vec<Column> {
     vec![
         column("coverage flown", Better::Higher),
         column("by true positions", Better::Neither),
+        column("on simlink", Better::Neither),
         column("trainer's", Better::Neither),
         column("decisions as the trainer's", Better::Neither),
         column("late", Better::Lower),
@@ -60,6 +70,7 @@ pub(super) fn row(index: u64, flight: &WorldFlight) -> Row {
         cells: vec![
             value(mean(&flight.coverage), 3),
             value(mean(&flight.true_coverage), 3),
+            flight.simlink_coverage.as_ref().map_or(Cell::Text("–".into()), |shares| value(mean(shares), 3)),
             value(mean(&flight.trainer_coverage), 3),
             Cell::Text(format!("{} of {}", flight.equal, flight.compared)),
             count(flight.counters.late_decisions),
@@ -78,6 +89,30 @@ pub(super) fn caption(sim: &Simulation<'_>) -> String {
     format!("Decisions are compared with the trainer's in {compared}. Troubles are time-outs, failsafes and crashes.")
 }
 
+fn autopilots(sim: &Simulation<'_>) -> String {
+    match (&sim.autopilots, sim.px4) {
+        (FleetKind::Simlink, false) => "simlink as ArduPilot".into(),
+        (FleetKind::Simlink, true) => "simlink as PX4".into(),
+        (real, _) => real.to_string(),
+    }
+}
+
+const fn dynamics(sim: &Simulation<'_>) -> &'static str {
+    match (sim.autopilots.is_real(), sim.ideal) {
+        (true, _) => "the autopilot's own simulation",
+        (false, true) => "the scenario's own",
+        (false, false) => "point mass with lag and drag",
+    }
+}
+
+fn pace(sim: &Simulation<'_>) -> String {
+    match sim.speed {
+        Some(speed) => format!("{speed} × real time"),
+        None if sim.autopilots.is_real() => "real time".into(),
+        None => "lock-step".into(),
+    }
+}
+
 pub(super) fn configuration(sim: &Simulation<'_>, summary: &Summary) -> Vec<Group> {
     let entry = |name: &str, value: String| (name.to_owned(), value);
     let (scenario, timing) = (&sim.scenario, &sim.timing);
@@ -85,9 +120,9 @@ pub(super) fn configuration(sim: &Simulation<'_>, summary: &Summary) -> Vec<Grou
     let flight = vec![
         entry("UAVs", scenario.uavs.to_string()),
         entry("map", format!("{0} u × {0} u", scenario.side_u)),
-        entry("autopilots", if sim.px4 { "PX4" } else { "ArduPilot" }.into()),
-        entry("dynamics", if sim.ideal { "the scenario's own" } else { "point mass with lag and drag" }.into()),
-        entry("pace", sim.speed.map_or_else(|| "lock-step".into(), |speed| format!("{speed} × real time"))),
+        entry("autopilots", autopilots(sim)),
+        entry("dynamics", dynamics(sim).into()),
+        entry("pace", pace(sim)),
         entry("actions", if sim.mode == Mode::Argmax { "most likely" } else { "drawn" }.into()),
         entry("telemetry", format!("{} Hz", sim.rate_hz)),
         entry("encodes, decides", format!("{} ms, {} ms into a step", timing.encode_ms, timing.decide_ms)),

@@ -1,0 +1,7 @@
+"""`python -m sitl`: a fleet of real autopilots."""
+
+import sys
+
+from sitl.fleet import main
+
+sys.exit(main())
