@@ -100,7 +100,7 @@ fn plan(uavs: u16, start_ms: i64, length_ms: i64) -> Plan {
     let mut world = World::new(&scenario).expect("a scenario that can be");
     world.reset(777, 0);
     let mut mission = Mission::of_world(&world, Origin::default()).expect("a place for the map");
-    mission.layers = Layers { base_m: 10.0, spacing_m: 1.0, count: 10 };
+    mission.layers = Layers { base_m: 10.0, spacing_m: 1.0, count: uavs };
     // Step 2³² = step 0 in the middle of the flight.
     let step_ms = i64::from(mission.scale.step_ms);
     mission.epoch_unix_ms = (start_ms + length_ms / 2).div_euclid(step_ms) * step_ms - WRAP_MS * step_ms;

@@ -8,6 +8,7 @@ pub mod frame;
 pub mod messages;
 pub mod mission;
 pub mod node;
+pub mod outlet;
 pub mod replay;
 pub mod signing;
 pub mod simulation;

@@ -2,11 +2,14 @@
 
 use clap::Parser;
 use sitl_bridge::commands::Cli;
+use sitl_bridge::outlet;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    Cli::parse().run().unwrap_or_else(|report| {
-        eprintln!("Error: {report:?}");
+    let status = Cli::parse().run().unwrap_or_else(|report| {
+        outlet::say(&format!("Error: {report:?}"));
         ExitCode::FAILURE
-    })
+    });
+    outlet::drain();
+    status
 }

@@ -4,6 +4,7 @@
 use crate::autopilot::Stage;
 use crate::node::Status;
 use crate::node::run::NodeEvent;
+use crate::outlet::{self, Outlet};
 use firmware_core::geometry::{COVERAGE_RANGE_U, Vec2};
 use std::fmt::Write as _;
 use std::io::{self, IsTerminal as _, Write};
@@ -11,6 +12,8 @@ use std::time::{Duration, Instant};
 
 /// Shortest time between two redraws.
 const REDRAW: Duration = Duration::from_millis(200);
+/// How long a reader that is behind is waited for at the end of a flight.
+const PARTING: Duration = Duration::from_secs(1);
 /// Without a terminal a line is printed whenever all UAVs have started so many more steps.
 const STEPS_PER_LINE: u32 = 20;
 /// Verdicts of the safety gate that need no attention of the operator.
@@ -42,7 +45,7 @@ pub type TerminalSize = fn() -> Option<(u16, u16)>;
 /// Shows the status of a flight.
 pub struct StatusView {
     mode: ViewMode,
-    out: Box<dyn Write + Send>,
+    out: Out,
     size: TerminalSize,
     title: String,
     first_id: u16,
@@ -53,6 +56,32 @@ pub struct StatusView {
     drawn_at: Option<Instant>,
     /// Without a terminal, as of the last line: steps that all UAVs had started, and whether all flew.
     printed: (u32, bool),
+}
+
+/// Where the status goes.
+enum Out {
+    /// An output that is waited for.
+    Plain(Box<dyn Write + Send>),
+    /// Standard error, which is not.
+    Outlet(&'static Outlet),
+}
+
+impl Out {
+    /// Writes a text; says whether it was. When standard error is closed the flight goes on all the same.
+    fn write(&mut self, text: &str) -> bool {
+        match self {
+            Self::Plain(out) => out.write_all(text.as_bytes()).and_then(|()| out.flush()).is_ok(),
+            Self::Outlet(outlet) => outlet.write(text),
+        }
+    }
+
+    /// Writes a text that another will replace, unless the reader is behind.
+    fn offer(&mut self, text: &str) -> bool {
+        match self {
+            Self::Plain(_) => self.write(text),
+            Self::Outlet(outlet) => outlet.offer(text),
+        }
+    }
 }
 
 #[derive(Clone, Debug, Default)]
@@ -67,13 +96,25 @@ impl StatusView {
     /// The status of `count` UAVs with ids from `first_id` on, which cover these PoIs, on standard error.
     #[must_use]
     pub fn new(mode: ViewMode, title: String, first_id: u16, count: usize, pois: &[Vec2]) -> Self {
-        Self::on(Box::new(io::stderr()), terminal_size, mode, title, first_id, count, pois)
+        Self::to(Out::Outlet(outlet::stderr()), terminal_size, mode, title, first_id, count, pois)
     }
 
     /// As [`StatusView::new`], on another output.
     #[must_use]
     pub fn on(
         out: Box<dyn Write + Send>,
+        size: TerminalSize,
+        mode: ViewMode,
+        title: String,
+        first_id: u16,
+        count: usize,
+        pois: &[Vec2],
+    ) -> Self {
+        Self::to(Out::Plain(out), size, mode, title, first_id, count, pois)
+    }
+
+    fn to(
+        out: Out,
         size: TerminalSize,
         mode: ViewMode,
         title: String,
@@ -104,10 +145,10 @@ impl StatusView {
 
     /// Prints a line for the operator above the table.
     pub fn print(&mut self, line: &str) {
-        let erase = self.erase();
-        self.drawn = 0;
-        // When standard error is closed the flight goes on all the same.
-        let _ = writeln!(self.out, "{erase}{line}");
+        let text = format!("{}{line}\n", self.erase());
+        if self.out.write(&text) {
+            self.drawn = 0;
+        }
         if self.mode == ViewMode::Live && self.drawn_at.is_some() {
             self.draw();
         }
@@ -116,8 +157,17 @@ impl StatusView {
     /// Draws the table a last time and leaves it on the terminal.
     pub fn finish(&mut self) {
         if self.mode == ViewMode::Live && self.drawn_at.is_some() {
+            self.drain();
             self.draw();
             self.drawn = 0;
+        }
+        self.drain();
+    }
+
+    /// What is written elsewhere from here on comes after what was written here, where somebody reads it.
+    fn drain(&self) {
+        if let Out::Outlet(outlet) = &self.out {
+            outlet.drain(PARTING);
         }
     }
 
@@ -125,7 +175,10 @@ impl StatusView {
     pub fn clear(&mut self) {
         let erase = self.erase();
         (self.drawn, self.drawn_at) = (0, None);
-        let _ = write!(self.out, "{erase}").and_then(|()| self.out.flush());
+        if !erase.is_empty() {
+            self.out.write(&erase);
+        }
+        self.drain();
     }
 
     fn draw(&mut self) {
@@ -135,8 +188,10 @@ impl StatusView {
             text.push_str(line);
             text.push('\n');
         }
-        (self.drawn, self.drawn_at) = (lines.len(), Some(Instant::now()));
-        let _ = self.out.write_all(text.as_bytes()).and_then(|()| self.out.flush());
+        self.drawn_at = Some(Instant::now());
+        if self.out.offer(&text) {
+            self.drawn = lines.len();
+        }
     }
 
     /// The control sequence that erases the table: up to its first line, and everything from there.

@@ -80,6 +80,11 @@ fn ports_that_are_taken_and_ids_that_do_not_fit() {
     assert!(message.contains("another program listens there"), "{message}");
     let message = refused(&["fly", "--id", "255", "--mission", &mission, "--autopilot", "udpin:127.0.0.1:0"]);
     assert!(message.contains("ids go up to 254"), "{message}");
+    let message = refused(&["fly", "--id", "20", "--mission", &mission, "--autopilot", "udpin:127.0.0.1:0"]);
+    assert!(message.contains("UAV 20 has no altitude layer of its own: the mission has 20"), "{message}");
+    let many = ["--count", "21", "--port-step", "0", "--autopilot", "udpout:127.0.0.1:9", "--mission", &mission];
+    let message = refused(&[&["swarm"][..], &many].concat());
+    assert!(message.contains("UAV 20 has no altitude layer of its own"), "{message}");
     let message = refused(&["fly", "--id", "1", "--mission", &mission, "--autopilot", "carrier-pigeon:x"]);
     assert!(message.contains("no kind of connection"), "{message}");
     let message = refused(&["swarm", "--count", "200", "--port-step", "1000", "--mission", &mission]);

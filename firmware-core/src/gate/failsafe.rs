@@ -63,9 +63,14 @@ impl Reason {
             | Self::GpsLost
             | Self::SourcesDisagree
             | Self::StateFrozen => FailsafeAction::Stop,
-            Self::PositionJumped | Self::OutsideFence | Self::OutsideAltitude | Self::NoDecision | Self::SwarmLost => {
-                FailsafeAction::Hold
-            }
+            Self::PositionJumped
+            | Self::OutsideFence
+            | Self::OutsideAltitude
+            | Self::HeightDoubted
+            | Self::OffLayer
+            | Self::NoDecision
+            | Self::SwarmIncomplete
+            | Self::SwarmLost => FailsafeAction::Hold,
         }
     }
 

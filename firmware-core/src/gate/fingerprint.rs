@@ -83,7 +83,9 @@ impl Flight {
         if r & 7 == 1 {
             self.proposal =
                 Proposal { velocity: self.vector(7000), acceleration: self.vector(3000), ..Proposal::default() };
-            self.proposal.altitude_mm = 30_000 + self.part(100_000);
+            // Mostly about where it flies, so that it is on its layer.
+            let reach = if (r >> 20) & 7 == 0 { 100_000 } else { 2000 };
+            self.proposal.altitude_mm = 30_000 + self.part(reach);
         }
         let now = self.clock_ms;
         (self.state.time_ms, self.proposal.decided_ms) = (now, now);
@@ -110,6 +112,8 @@ impl Flight {
         i.airborne = !kept(fault == 13, !i.airborne);
         i.battery_permille = if kept(fault == 14, i.battery_permille == Some(100)) { Some(100) } else { Some(700) };
         i.self_test = fault != 15;
+        i.height_doubted = kept(fault == 20, i.height_doubted);
+        i.swarm_incomplete = kept(fault == 21, i.swarm_incomplete);
         i.proposal = if kept(fault == 16, i.proposal.is_none()) { None } else { Some(self.proposal) };
         i.operator = match fault {
             17 => Some(Request::Release),

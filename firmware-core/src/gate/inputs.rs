@@ -34,6 +34,10 @@ pub struct Inputs {
     pub battery_permille: Option<u16>,
     /// When the last valid message of any other UAV came; nothing when none ever did.
     pub swarm_ms: Option<u32>,
+    /// The measured height is in doubt, by other sources of it.
+    pub height_doubted: bool,
+    /// UAVs that start together with this one are not in the air yet.
+    pub swarm_incomplete: bool,
     /// The actor's self-test passed.
     pub self_test: bool,
     /// What the operator asked for since the last tick. Each request is given once.

@@ -37,6 +37,9 @@ pub struct Limits {
     pub altitude_ceiling_mm: i32,
     /// How far outside the band the vehicle may be before it holds, mm. 3,000.
     pub altitude_slack_mm: u32,
+    /// Farther than this from its altitude layer the vehicle does not move sideways, mm. 2,500: half the usual distance
+    /// of two layers. It goes on at half of it.
+    pub layer_mm: u32,
     /// Greatest vertical speed, mm/s. 1,500.
     pub climb_mm_s: u32,
 
@@ -69,7 +72,7 @@ pub struct Limits {
     /// How long the measured position may stand still while the vehicle should be moving, ms. 1,500. Nothing
     /// switches the test off (a vehicle that moves in leaps, once a step).
     pub frozen_ms: Option<u32>,
-    /// How much farther than it can fly the measured position may move between two measurements, mm. 5,000. Nothing
+    /// How much farther than it can fly the measured position or height may move between two measurements, mm. 5,000. Nothing
     /// switches the test off.
     pub jump_mm: Option<u32>,
     /// Least GPS fix type. 3: a 3D fix. 0 asks for no GPS.
@@ -108,6 +111,7 @@ impl Default for Limits {
             altitude_floor_mm: 5000,
             altitude_ceiling_mm: 120_000,
             altitude_slack_mm: 3000,
+            layer_mm: 2500,
             climb_mm_s: 1500,
             tick_ms: 200,
             stale_ms: 1000,
@@ -206,6 +210,7 @@ impl Limits {
             ("altitude_floor_mm", self.altitude_floor_mm.into(), -1_000_000, 10_000_000),
             ("altitude_ceiling_mm", self.altitude_ceiling_mm.into(), self.altitude_floor_mm.into(), 10_000_000),
             ("altitude_slack_mm", self.altitude_slack_mm.into(), 0, 1_000_000),
+            ("layer_mm", self.layer_mm.into(), 100, 1_000_000),
             ("battery_permille", self.battery_permille.into(), 0, 1000),
             ("tick_ms", self.tick_ms.into(), 10, 1000),
             ("reaction_ms", self.reaction_ms.into(), self.tick_ms.into(), 5000),

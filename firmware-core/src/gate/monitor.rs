@@ -42,7 +42,10 @@ pub(super) struct Monitor {
     grounded: Debounce,
     outside: Option<u32>,
     fence_stuck: bool,
+    height_doubted: bool,
+    off_layer: bool,
     undecided: bool,
+    swarm_incomplete: bool,
     swarm_lost: bool,
     last: Option<Measured>,
     /// Where the measured position began to stand still, and when.
@@ -68,7 +71,10 @@ impl Monitor {
             grounded: Debounce::CLEAR,
             outside: None,
             fence_stuck: false,
+            height_doubted: false,
+            off_layer: false,
             undecided: true,
+            swarm_incomplete: false,
             swarm_lost: false,
             last: None,
             anchor: None,
@@ -95,6 +101,7 @@ impl Monitor {
         self.sources.update(inputs.sources_disagree, now, confirm, clear);
         self.battery.update(low, now, limits.battery_confirm_ms, clear);
         self.grounded.update(!inputs.airborne, now, confirm, 0);
+        (self.height_doubted, self.swarm_incomplete) = (inputs.height_doubted, inputs.swarm_incomplete);
         let decided = inputs.proposal.map(|proposal| proposal.decided_ms);
         self.undecided = is_older(decided, now, limits.decision_ms);
         self.swarm_lost = limits.swarm_loss == SwarmLoss::Hold && is_older(inputs.swarm_ms, now, limits.swarm_ms);
@@ -126,6 +133,12 @@ impl Monitor {
         let low = limits.altitude_floor_mm.saturating_sub(slack);
         let high = limits.altitude_ceiling_mm.saturating_add(slack);
         self.altitude.update(!(low..=high).contains(&state.altitude_mm), now, limits.confirm_ms, 0);
+        // Back on it by half the distance, so that a gust does not make it chatter.
+        let reach = if self.off_layer { limits.layer_mm / 2 } else { limits.layer_mm };
+        self.off_layer = tick.inputs.proposal.is_some_and(|proposal| {
+            let layer_mm = proposal.altitude_mm.max(limits.altitude_floor_mm).min(limits.altitude_ceiling_mm);
+            state.altitude_mm.abs_diff(layer_mm) > reach
+        });
     }
 
     /// Whether the vehicle moved farther since the last measurement than it can fly.
@@ -135,7 +148,7 @@ impl Monitor {
         // Half more than its greatest speed, for wind and overshoot.
         let flown = u64::from(limits.max_speed_mm_s) * 3 / 2 * passed_ms / 1000;
         let reach = u32::try_from(flown + u64::from(slack)).unwrap_or(u32::MAX);
-        !(state.position - last.position).within(reach)
+        !(state.position - last.position).within(reach) || state.altitude_mm.abs_diff(last.altitude_mm) > reach
     }
 
     /// Whether the position has stood still for too long, by the times of the measurements: one that is only old
@@ -173,7 +186,10 @@ impl Monitor {
             (self.jumped.is_raised(), Reason::PositionJumped),
             (self.outside.is_some(), Reason::OutsideFence),
             (self.altitude.is_raised(), Reason::OutsideAltitude),
+            (self.height_doubted, Reason::HeightDoubted),
+            (self.off_layer, Reason::OffLayer),
             (self.undecided, Reason::NoDecision),
+            (self.swarm_incomplete, Reason::SwarmIncomplete),
             (self.swarm_lost, Reason::SwarmLost),
         ])
     }
@@ -198,7 +214,7 @@ impl Monitor {
     /// Forgets how the vehicle moved: the next measurement is the first.
     pub const fn forget_motion(&mut self) {
         (self.last, self.anchor, self.standing) = (None, None, false);
-        (self.outside, self.fence_stuck) = (None, false);
+        (self.outside, self.fence_stuck, self.off_layer) = (None, false, false);
     }
 }
 

@@ -49,15 +49,21 @@ pub enum Reason {
     OutsideFence,
     /// The vehicle is above or below its altitude band.
     OutsideAltitude,
+    /// The measured height is in doubt.
+    HeightDoubted,
+    /// The vehicle is not on its altitude layer.
+    OffLayer,
     /// The actor has not decided for too long.
     NoDecision,
+    /// The UAVs that start together are not all in the air yet.
+    SwarmIncomplete,
     /// No other UAV was heard for long, and the settings say to hold then.
     SwarmLost,
 }
 
 impl Reason {
     /// Every cause, in order of precedence.
-    pub const ALL: [Self; 25] = [
+    pub const ALL: [Self; 28] = [
         Self::NotStarted,
         Self::OperatorReleased,
         Self::SelfTestFailed,
@@ -81,7 +87,10 @@ impl Reason {
         Self::PositionJumped,
         Self::OutsideFence,
         Self::OutsideAltitude,
+        Self::HeightDoubted,
+        Self::OffLayer,
         Self::NoDecision,
+        Self::SwarmIncomplete,
         Self::SwarmLost,
     ];
 
@@ -112,7 +121,10 @@ impl Reason {
             Self::PositionJumped => "position_jumped",
             Self::OutsideFence => "outside_fence",
             Self::OutsideAltitude => "outside_altitude",
+            Self::HeightDoubted => "height_doubted",
+            Self::OffLayer => "off_layer",
             Self::NoDecision => "no_decision",
+            Self::SwarmIncomplete => "swarm_incomplete",
             Self::SwarmLost => "swarm_lost",
         }
     }

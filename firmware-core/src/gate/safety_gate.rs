@@ -242,7 +242,12 @@ impl Gate {
             (cause, proposal) => {
                 let altitude_mm = proposal.map_or(state.altitude_mm, |proposal| proposal.altitude_mm);
                 let still = DesiredSetpoint { velocity: Vector::ZERO, acceleration: None, altitude_mm };
-                Verdict::Hold(cause.unwrap_or(Reason::NoDecision), self.limited(still, &state, now))
+                let mut setpoint = self.limited(still, &state, now);
+                if cause == Some(Reason::PositionJumped) {
+                    // A height that jumped is not flown after before it has settled.
+                    setpoint.climb_mm_s = 0;
+                }
+                Verdict::Hold(cause.unwrap_or(Reason::NoDecision), setpoint)
             }
         }
     }

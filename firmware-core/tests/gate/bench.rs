@@ -61,13 +61,19 @@ impl Bench {
         bench
     }
 
+    /// Climbs to the actor's altitude at 5 m/s.
+    pub fn climb(&mut self) {
+        while self.inputs.state.unwrap().altitude_mm < ALTITUDE_MM {
+            self.inputs.state.as_mut().unwrap().altitude_mm += 1000;
+            let _ = self.tick();
+        }
+    }
+
     /// In flight, streaming.
     pub fn in_flight(limits: Limits) -> Self {
         let mut bench = Self::in_takeoff(limits);
+        bench.climb();
         bench.inputs.airborne = true;
-        if let Some(state) = &mut bench.inputs.state {
-            state.altitude_mm = ALTITUDE_MM;
-        }
         let _ = bench.run(4000);
         assert_eq!(bench.gate.phase(), Phase::Flight);
         assert!(matches!(bench.tick(), Verdict::Stream(_)));

@@ -56,7 +56,10 @@ fn begin(bench: &mut Bench, cause: Reason) -> bool {
         Reason::StateFrozen => bench.frozen = true,
         Reason::PositionJumped => state.position = state.position + Vector::new(0, 20_000),
         Reason::OutsideAltitude => state.altitude_mm = 124_000,
+        Reason::HeightDoubted => inputs.height_doubted = true,
+        Reason::OffLayer => state.altitude_mm += 3000,
         Reason::NoDecision => bench.deciding = false,
+        Reason::SwarmIncomplete => inputs.swarm_incomplete = true,
         Reason::SwarmLost => {}
     }
     true
@@ -84,7 +87,9 @@ fn end(bench: &mut Bench, cause: Reason) {
             bench.frozen = false;
             state.position = state.position + Vector::new(60, 0);
         }
-        Reason::OutsideAltitude => state.altitude_mm = crate::bench::ALTITUDE_MM,
+        Reason::OutsideAltitude | Reason::OffLayer => state.altitude_mm = crate::bench::ALTITUDE_MM,
+        Reason::HeightDoubted => inputs.height_doubted = false,
+        Reason::SwarmIncomplete => inputs.swarm_incomplete = false,
         Reason::NoDecision => bench.deciding = true,
         _ => {}
     }
@@ -257,7 +262,10 @@ fn in_takeoff_causes_keep_the_gate_silent() {
             Reason::Landed
                 | Reason::StateFrozen
                 | Reason::OutsideAltitude
+                | Reason::HeightDoubted
+                | Reason::OffLayer
                 | Reason::NoDecision
+                | Reason::SwarmIncomplete
                 | Reason::SwarmLost
                 | Reason::OperatorReturn
                 | Reason::FenceStuck

@@ -27,8 +27,8 @@ fn a_flight_from_request_to_stream() {
     (bench.inputs.mode, bench.inputs.armed) = (FlightMode::Guided, true);
     assert_eq!(bench.run(5000), Verdict::BringUp(None));
     assert_eq!(bench.gate.phase(), Phase::BringUp);
+    bench.climb();
     bench.inputs.airborne = true;
-    bench.inputs.state.as_mut().unwrap().altitude_mm = ALTITUDE_MM;
     let Verdict::Stream(first) = bench.tick() else { panic!("no stream") };
     // It begins at rest.
     assert!(first.velocity.length() <= 500 + 2, "{first:?}");
@@ -115,8 +115,9 @@ fn px4_gets_setpoints_before_its_mode_but_none_that_moves() {
     let mut bench = Bench::new(Limits { stream_before_mode: true, ..Limits::default() });
     bench.inputs.operator = Some(Request::Start);
     assert_eq!(bench.run(3000), Verdict::BringUp(None));
-    (bench.inputs.armed, bench.inputs.airborne) = (true, true);
-    bench.inputs.state.as_mut().unwrap().altitude_mm = ALTITUDE_MM;
+    bench.inputs.armed = true;
+    bench.climb();
+    bench.inputs.airborne = true;
     for _ in 0..20 {
         let Verdict::BringUp(Some(setpoint)) = bench.tick() else { panic!("no setpoint") };
         assert!(is_still(setpoint) && setpoint.altitude_mm == ALTITUDE_MM);
@@ -279,10 +280,48 @@ fn altitude_stays_in_its_band_and_climbs_gently() {
     ] {
         bench.inputs.proposal =
             Some(Proposal { decided_ms: bench.clock_ms, altitude_mm: wanted, ..Proposal::default() });
-        let Verdict::Stream(setpoint) = bench.tick() else { panic!("{wanted}") };
+        let verdict = bench.tick();
+        // Far from its layer it only climbs or descends.
+        let far = target.abs_diff(ALTITUDE_MM) > bench.gate.limits().layer_mm;
+        assert_eq!(verdict.reason(), far.then_some(Reason::OffLayer), "{wanted}");
+        let setpoint = verdict.setpoint().unwrap();
         assert_eq!((setpoint.altitude_mm, setpoint.climb_mm_s), (target, climb));
         assert_eq!(setpoint.limited.altitude, wanted != target);
     }
+}
+
+#[test]
+fn it_moves_sideways_on_its_layer_only() {
+    let mut bench = Bench::in_flight(Limits::default());
+    bench.inputs.state.as_mut().unwrap().altitude_mm = ALTITUDE_MM - 8000;
+    // Lower by less than what counts as a jump in the seconds since.
+    let _ = bench.run(3000);
+    let mut heights = Vec::new();
+    while let Verdict::Hold(Reason::OffLayer, setpoint) = bench.tick() {
+        assert_eq!((setpoint.velocity, setpoint.altitude_mm), (Vector::ZERO, ALTITUDE_MM));
+        assert!(setpoint.climb_mm_s > 0);
+        let state = bench.inputs.state.as_mut().unwrap();
+        state.altitude_mm += setpoint.climb_mm_s / 5;
+        heights.push(state.altitude_mm);
+    }
+    // At half of the distance that counts as off the layer.
+    assert!(heights.last().is_some_and(|mm| (28_750..29_050).contains(mm)), "{heights:?}");
+    assert!(matches!(bench.tick(), Verdict::Stream(_)));
+    bench.inputs.state.as_mut().unwrap().altitude_mm = ALTITUDE_MM + 2400;
+    assert!(matches!(bench.tick(), Verdict::Stream(_)));
+}
+
+#[test]
+fn a_height_that_jumped_is_not_flown_after() {
+    let mut bench = Bench::in_flight(Limits::default());
+    bench.inputs.state.as_mut().unwrap().altitude_mm += 20_000;
+    let mut held = 0;
+    while let Verdict::Hold(Reason::PositionJumped, setpoint) = bench.tick() {
+        assert_eq!(setpoint.climb_mm_s, 0);
+        held += TICK_MS;
+    }
+    assert!((2000..=2400).contains(&held), "{held}");
+    assert_eq!(bench.tick().reason(), Some(Reason::OffLayer));
 }
 
 #[test]

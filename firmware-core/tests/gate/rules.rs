@@ -20,6 +20,8 @@ enum Event {
     Altitude(i32),
     Refused(bool),
     Disagree(bool),
+    HeightDoubted(bool),
+    SwarmIncomplete(bool),
     Ekf(bool),
     Gps(Option<u8>),
     Battery(Option<u16>),
@@ -44,6 +46,11 @@ fn vector(reach: i32) -> impl Strategy<Value = Vector> {
     (part(), part()).prop_map(|(east, north)| Vector::new(east, north))
 }
 
+/// Mostly about where the vehicle flies.
+fn wished_altitude() -> impl Strategy<Value = i32> {
+    prop_oneof![3 => 27_000..33_000i32, 1 => any::<i32>()]
+}
+
 fn events() -> impl Strategy<Value = Event> {
     prop_oneof![
         6 => Just(Event::Pass),
@@ -61,9 +68,12 @@ fn events() -> impl Strategy<Value = Event> {
         1 => any::<Option<u8>>().prop_map(Event::Gps),
         1 => prop::option::of(0..1000u16).prop_map(Event::Battery),
         1 => prop::bool::weighted(0.8).prop_map(Event::SelfTest),
-        6 => prop::option::weighted(0.9, (vector(9000), vector(5000), any::<i32>())).prop_map(Event::Wish),
+        6 => prop::option::weighted(0.9, (vector(9000), vector(5000), wished_altitude())).prop_map(Event::Wish),
+        1 => any::<bool>().prop_map(Event::HeightDoubted),
+        1 => any::<bool>().prop_map(Event::SwarmIncomplete),
         2 => any::<(bool, bool, bool, bool)>().prop_map(|(a, b, c, d)| Event::Flow(a, b, c, d)),
         1 => prop_oneof![-3000..3000i32, any::<i32>()].prop_map(Event::Clock),
+        1 => Just(Event::Flow(true, true, true, false)),
         // Health comes back more often than it goes.
         6 => Just(Event::Flow(true, true, true, true)),
         3 => Just(Event::FlightMode(FlightMode::Guided)),
@@ -74,6 +84,8 @@ fn events() -> impl Strategy<Value = Event> {
         3 => Just(Event::Gps(Some(3))),
         3 => Just(Event::Refused(false)),
         3 => Just(Event::Disagree(false)),
+        3 => Just(Event::HeightDoubted(false)),
+        3 => Just(Event::SwarmIncomplete(false)),
         3 => Just(Event::Battery(Some(800))),
         3 => Just(Event::Altitude(30_000)),
         3 => Just(Event::Place(Vector::ZERO)),
@@ -134,6 +146,8 @@ fn play(steps: &[Step], start_ms: u32, start_wall_ms: u32) -> Vec<Inputs> {
             Event::Altitude(mm) => state.altitude_mm = mm,
             Event::Refused(refused) => inputs.refused = refused,
             Event::Disagree(disagree) => inputs.sources_disagree = disagree,
+            Event::HeightDoubted(doubted) => inputs.height_doubted = doubted,
+            Event::SwarmIncomplete(incomplete) => inputs.swarm_incomplete = incomplete,
             Event::Ekf(ok) => inputs.ekf_ok = ok,
             Event::Gps(fix) => inputs.gps_fix = fix,
             Event::Battery(left) => inputs.battery_permille = left,
@@ -230,6 +244,10 @@ impl Rules {
                 prop_assert!(!inputs.refused && fresh(inputs.state.unwrap().time_ms, limits.stale_ms));
                 prop_assert!(fresh(inputs.heartbeat_ms.unwrap(), limits.heartbeat_ms));
                 prop_assert!(fresh(inputs.proposal.unwrap().decided_ms, limits.decision_ms));
+                prop_assert!(!inputs.height_doubted && !inputs.swarm_incomplete);
+                let layer = inputs.proposal.unwrap().altitude_mm;
+                let layer = layer.clamp(limits.altitude_floor_mm, limits.altitude_ceiling_mm);
+                prop_assert!(inputs.state.unwrap().altitude_mm.abs_diff(layer) <= limits.layer_mm);
             }
             Verdict::Hold(..) => prop_assert!(inputs.mode == FlightMode::Guided && inputs.armed && !self.returning),
             Verdict::BringUp(setpoint) => {
@@ -360,7 +378,7 @@ fn the_random_sequences_do_reach_every_verdict() {
     use proptest::test_runner::TestRunner;
     let mut runner = TestRunner::deterministic();
     let mut seen = std::collections::BTreeMap::<String, u32>::new();
-    for _ in 0..200 {
+    for _ in 0..400 {
         let steps = steps().new_tree(&mut runner).unwrap().current();
         let limits = all_limits().new_tree(&mut runner).unwrap().current();
         let mut gate = gate(limits);

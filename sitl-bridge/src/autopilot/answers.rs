@@ -55,7 +55,7 @@ impl Autopilot {
         self.give_up(&reason, notices);
     }
 
-    pub(super) fn give_up(&mut self, reason: &str, notices: &mut Vec<Notice>) {
+    pub(crate) fn give_up(&mut self, reason: &str, notices: &mut Vec<Notice>) {
         notices.push(Notice::warning(format!("not flying: {reason}")));
         (self.command, self.stage) = (None, Stage::Failed);
     }
@@ -68,7 +68,7 @@ impl Autopilot {
         }
     }
 
-    pub(super) fn remind(&mut self, now_ms: i64, notices: &mut Vec<Notice>, text: impl FnOnce() -> String) {
+    pub(crate) fn remind(&mut self, now_ms: i64, notices: &mut Vec<Notice>, text: impl FnOnce() -> String) {
         if now_ms - self.reminded_ms >= REMIND_MS {
             self.reminded_ms = now_ms;
             notices.push(Notice::info(text()));

@@ -99,6 +99,11 @@ impl BringUp {
         self.airborne
     }
 
+    /// Whether a takeoff of ours is under way, or was the last one.
+    pub const fn is_taking_off(&self) -> bool {
+        self.climbing_since.is_some()
+    }
+
     /// Forgets the takeoff under way, so that a new start begins from scratch.
     pub const fn restart(&mut self) {
         (self.climbing_since, self.took_off) = (None, false);

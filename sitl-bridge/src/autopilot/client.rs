@@ -121,6 +121,12 @@ impl Autopilot {
         self.bring_up.is_airborne()
     }
 
+    /// Whether it took off on a command of this start: it climbs, or has climbed.
+    #[must_use]
+    pub const fn is_taking_off(&self) -> bool {
+        self.bring_up.is_taking_off()
+    }
+
     /// The flight mode in the last HEARTBEAT.
     #[must_use]
     pub fn mode(&self) -> Option<Mode> {

@@ -11,8 +11,9 @@ pub(super) struct Control {
     pub climbs: bool,
     /// Arming was accepted here, and it has not been disarmed since.
     pub armed_here: bool,
-    /// `custom_mode` of the return or landing that was last commanded.
-    pub ordered: Option<u32>,
+    /// `custom_mode` of the return or landing that was last commanded, and of the one before where that was
+    /// obeyed.
+    pub ordered: [Option<u32>; 2],
     /// GUIDED was heard since the bring-up changed to it.
     pub was_guided: bool,
     /// PX4's AUTO.TAKEOFF was heard since the last start.
@@ -31,7 +32,7 @@ impl Control {
             ours: false,
             climbs: false,
             armed_here: false,
-            ordered: None,
+            ordered: [None; 2],
             was_guided: false,
             took_off: false,
             heard_ms: 0,
@@ -46,7 +47,7 @@ impl Control {
 
     /// Somebody else has it.
     pub const fn lose(&mut self) {
-        (self.ours, self.climbs, self.ordered) = (false, false, None);
+        (self.ours, self.climbs, self.ordered) = (false, false, [None; 2]);
     }
 
     /// A takeoff is commanded.
@@ -55,8 +56,9 @@ impl Control {
     }
 
     /// A return or a landing is commanded.
-    pub const fn order(&mut self, custom_mode: u32) {
-        self.ordered = Some(custom_mode);
+    pub fn order(&mut self, custom_mode: u32) {
+        let before = self.ordered[0].filter(|_| self.has_obeyed());
+        self.ordered = [Some(custom_mode), before];
     }
 
     /// Arming was accepted.
@@ -69,8 +71,18 @@ impl Control {
         self.ours && self.last.is_some_and(|(_, armed)| armed)
     }
 
+    /// Whether this is the `custom_mode` in the last heartbeat.
+    pub fn is_in(&self, custom_mode: u32) -> bool {
+        self.last.is_some_and(|(last, _)| last == custom_mode)
+    }
+
     /// Whether it is in the mode that was last ordered.
     pub fn has_obeyed(&self) -> bool {
-        self.ordered.is_some() && self.last.map(|(custom_mode, _)| custom_mode) == self.ordered
+        self.ordered[0].is_some_and(|ordered| self.is_in(ordered))
+    }
+
+    /// Whether an order led to the mode that it is in.
+    pub fn is_in_ordered_mode(&self) -> bool {
+        self.ordered.iter().flatten().any(|&ordered| self.is_in(ordered))
     }
 }

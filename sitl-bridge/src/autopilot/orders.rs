@@ -46,6 +46,10 @@ impl Autopilot {
             Order::Land => firmware.land(),
         };
         let params = set_mode_params(mode);
+        if self.order.is_none() && self.control.is_in(firmware.custom_mode(mode)) {
+            // It does so already.
+            return;
+        }
         if !self.order.is_some_and(|order| order.is(mav_cmd::DO_SET_MODE, &params)) {
             self.order = Some(PendingCommand::new(mav_cmd::DO_SET_MODE, params, now_ms));
             self.control.order(firmware.custom_mode(mode));

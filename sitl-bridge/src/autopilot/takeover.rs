@@ -48,7 +48,7 @@ impl Autopilot {
                 control.was_guided |= self.bring_up.has_begun();
             }
             // As it was when it was ordered.
-            _ if control.has_obeyed() => {}
+            _ if control.is_in_ordered_mode() => {}
             Mode::TakeoffOrHold => match before.map(|(custom_mode, _)| firmware.mode(custom_mode)) {
                 // PX4 holds by itself when setpoints cease; while they come, somebody holds it.
                 Some(Mode::Guided) => control.ours = !streams,

@@ -48,6 +48,10 @@ pub struct VehicleState {
     /// The last GPS_FIX_TYPE and the `time_boot_ms` when it arrived.
     pub gps_fix: Option<(u8, u32)>,
     batteries: Batteries,
+    /// Altitude above mean sea level in the last GPS_RAW_INT, mm.
+    pub gps_alt_mm: Option<i32>,
+    /// The last position, where it lies beyond the plane: latitude and longitude, 1e-7 degrees.
+    pub beyond: Option<(i32, i32)>,
     /// Whether the vehicle is landed, by EXTENDED_SYS_STATE.
     pub on_ground: Option<bool>,
 }
@@ -67,6 +71,8 @@ impl VehicleState {
             estimator: None,
             gps_fix: None,
             batteries: Batteries::default(),
+            gps_alt_mm: None,
+            beyond: None,
             on_ground: None,
         }
     }
@@ -78,7 +84,7 @@ impl VehicleState {
             Telemetry::Heartbeat(heartbeat) => self.heartbeat = Some((heartbeat, now)),
             Telemetry::Charge(percent) => self.batteries.take_summary(percent, now),
             Telemetry::Battery(ref battery) => self.batteries.take(battery, now),
-            Telemetry::GpsFix(kind) => self.gps_fix = Some((kind, now)),
+            Telemetry::Gps { fix, alt_mm } => (self.gps_fix, self.gps_alt_mm) = (Some((fix, now)), alt_mm),
             Telemetry::Estimator { healthy } => self.estimator = Some((healthy, now)),
             Telemetry::OnGround(on_ground) => self.on_ground = on_ground,
             Telemetry::Origin { lat_e7, lon_e7 } => self.positions.set_origin(self.plane.place(lat_e7, lon_e7)),
@@ -143,7 +149,7 @@ impl VehicleState {
     }
 
     /// What a start still waits for, in words.
-    pub(super) fn missing(&self) -> Option<&'static str> {
+    pub(crate) fn missing(&self) -> Option<&'static str> {
         if self.odometry.is_none() {
             Some("a position near the mission's origin")
         } else if self.estimator.is_none_or(|(healthy, _)| !healthy) {
@@ -180,7 +186,9 @@ impl VehicleState {
             return TelemetryUpdate::Other;
         }
         let sane = [global.alt_mm, global.relative_mm].iter().all(|mm| mm.unsigned_abs() <= HIGHEST_MM);
-        let complete = match self.plane.place(global.lat_e7, global.lon_e7).filter(|_| sane) {
+        let place = self.plane.place(global.lat_e7, global.lon_e7);
+        self.beyond = place.is_none().then_some((global.lat_e7, global.lon_e7));
+        let complete = match place.filter(|_| sane) {
             Some(place) => self.positions.add_global(Odometry::coarse(global, place)),
             None => {
                 self.invalid = true;

@@ -1,9 +1,10 @@
 //! The operator at the terminal: commands on standard input, and Ctrl-C.
 
 use crate::node::OperatorCommand;
+use crate::outlet;
 use miette::{IntoDiagnostic as _, Result};
 use std::cell::RefCell;
-use std::io::{self, BufRead, Write as _};
+use std::io::{self, BufRead};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -38,9 +39,8 @@ impl Console {
                     "return" => OperatorCommand::Return,
                     "land" => OperatorCommand::Land,
                     other => {
-                        // A closed standard error keeps nobody from listening on.
-                        let answer = "start, release, return and land are understood; Ctrl-C ends";
-                        let _ = writeln!(io::stderr(), "`{other}`? {answer}");
+                        // A standard error that is closed, or that nobody reads, keeps nobody from listening on.
+                        outlet::say(&format!("`{other}`? start, release, return and land are understood; Ctrl-C ends"));
                         continue;
                     }
                 };

@@ -8,11 +8,11 @@ use super::recording::create;
 use crate::connection::{Address, Connection};
 use crate::node::run::{Links, NodeEvent, RunControl, run};
 use crate::node::{Node, Settings, gate_limits};
+use crate::outlet::{say, stdout};
 use crate::status_view::{StatusView, ViewMode};
 use crate::swarm_link::{SwarmAddress, SwarmSocket};
 use firmware_core::gate::Limits;
 use miette::{IntoDiagnostic as _, Result, WrapErr as _};
-use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
@@ -45,6 +45,10 @@ pub(crate) struct Fly {
     /// Land where it is when this program ends. Otherwise the autopilot holds the place.
     #[arg(long)]
     land_on_exit: bool,
+    /// So many UAVs start together, this one included: it holds on its layer until it hears all of them in the
+    /// air.
+    #[arg(long, value_name = "UAVS", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=255))]
+    wait_for: u16,
     /// The autopilot is simulated, and its clock may run at any speed.
     #[arg(long)]
     simulated: bool,
@@ -84,13 +88,13 @@ impl Fly {
         let autopilot = Connection::open(&self.autopilot).into_diagnostic().wrap_err("no link to the autopilot")?;
         let swarm = self.swarm.as_ref().map(SwarmSocket::open).transpose().into_diagnostic()?;
         let tlog = self.tlog.as_ref().map(|path| create(path)).transpose()?;
-        eprintln!("autopilot: {}", autopilot.describe());
+        say(&format!("autopilot: {}", autopilot.describe()));
         match &swarm {
             Some(socket) => {
-                eprintln!("{}", socket.describe());
-                self.signing.keyless_warning().into_iter().for_each(|text| eprintln!("{text}"));
+                say(&socket.describe());
+                self.signing.keyless_warning().into_iter().for_each(say);
             }
-            None => eprintln!("no --swarm: flying alone"),
+            None => say("no --swarm: flying alone"),
         }
         let base = if self.simulated { Limits::simulation() } else { Limits::default() };
         let settings = Settings {
@@ -112,6 +116,8 @@ impl Fly {
             ..settings
         };
         let mut node = Node::new(settings, self.signing.session(None)?).into_diagnostic()?;
+        mission.layers.check(self.id).into_diagnostic()?;
+        node.start_together(self.wait_for);
         let mut control = RunControl::new(stop, self.land_on_exit);
         let console = Console::default();
         control.commands = Some(console.listener());
@@ -130,7 +136,7 @@ impl Fly {
         let flown = run(&mut node, links, &control, 0, &events).into_diagnostic();
         drop(events);
         let _ = printer.join();
-        eprintln!("stopped: {}", parting(node.is_airborne(), self.land_on_exit));
+        say(&format!("stopped: {}", parting(node.is_airborne(), self.land_on_exit)));
         flown
     }
 }
@@ -144,10 +150,10 @@ pub(super) const fn parting(airborne: bool, land: bool) -> &'static str {
     }
 }
 
-/// A line on standard output. Where that is closed or its disk is full, the flight and the warnings on
-/// standard error go on.
+/// A line on standard output. Where that is closed, its disk full or nobody reads it, the flight and the warnings
+/// on standard error go on.
 fn write_line(line: &serde_json::Value) {
-    let _ = writeln!(std::io::stdout(), "{line}");
+    stdout().write(format!("{line}\n"));
 }
 
 /// Prints an event: as a JSON line on standard output, or in words for the operator.

@@ -1,6 +1,7 @@
 //! `mission`: missions written, checked and made of other files.
 
 use crate::mission::{Draft, Given, Loaded, Mission, Origin};
+use crate::outlet::say;
 use covey_env::{Scenario, World};
 use covey_report::atomic;
 use firmware_core::actor::Mode;
@@ -262,7 +263,7 @@ steps      {} ms; step 0 at Unix time {} ms
 pub(super) fn tell(path: &Path, loaded: &Loaded) {
     for remark in &loaded.remarks {
         let kind = if remark.warning { "warning" } else { "note" };
-        eprintln!("{kind}: mission {}: {}", path.display(), remark.text);
+        say(&format!("{kind}: mission {}: {}", path.display(), remark.text));
     }
 }
 

@@ -22,8 +22,13 @@ pub enum Telemetry {
     },
     /// PARAM_VALUE (22).
     Parameter(ParameterValue),
-    /// GPS_RAW_INT (24): GPS_FIX_TYPE; 3 (a 3D fix) and above are good enough to fly.
-    GpsFix(u8),
+    /// GPS_RAW_INT (24).
+    Gps {
+        /// GPS_FIX_TYPE; 3 (a 3D fix) and above are good enough to fly.
+        fix: u8,
+        /// Altitude above mean sea level by the GPS alone, mm; `None` where it is left at zero.
+        alt_mm: Option<i32>,
+    },
     /// LOCAL_POSITION_NED (32).
     Local(LocalPosition),
     /// GLOBAL_POSITION_INT (33).
@@ -46,7 +51,8 @@ pub enum Telemetry {
     },
     /// EKF_STATUS_REPORT (193) or ESTIMATOR_STATUS (230).
     Estimator {
-        /// Whether the estimator provides attitude, velocity and absolute position and reports no fault.
+        /// Whether the estimator provides attitude, velocity and absolute position, height among them, and
+        /// reports no fault.
         healthy: bool,
     },
     /// EXTENDED_SYS_STATE (245): whether the vehicle is landed; `None` when it does not know.
@@ -137,7 +143,7 @@ impl Telemetry {
             id::SYS_STATUS => Self::Charge(percent(30)),
             id::SYSTEM_TIME => Self::SystemTime { unix_us: p.u64(0), boot_ms: p.u32(8) },
             id::PARAM_VALUE => Self::Parameter(ParameterValue::read(p)),
-            id::GPS_RAW_INT => Self::GpsFix(p.u8(28)),
+            id::GPS_RAW_INT => Self::Gps { fix: p.u8(28), alt_mm: Some(p.i32(16)).filter(|&mm| mm != 0) },
             id::LOCAL_POSITION_NED => Self::Local(LocalPosition {
                 boot_ms: p.u32(0),
                 position_m: [4, 8, 12].map(|at| p.f32(at)),
@@ -190,13 +196,13 @@ struct Flags {
 }
 
 impl Flags {
-    /// EKF_STATUS_FLAGS. Needed: attitude 1, velocity 2 and 4, absolute position 16. Bad:
-    /// constant position 128, uninitialised 1024, GPS glitch 32768.
-    const ARDUPILOT: Self = Self { needed: 1 | 2 | 4 | 16, bad: 128 | 1024 | 32768 };
+    /// EKF_STATUS_FLAGS. Needed: attitude 1, velocity 2 and (vertical) 4, absolute position 16, absolute
+    /// height 32. Bad: constant position 128, uninitialised 1024, GPS glitch 32768.
+    const ARDUPILOT: Self = Self { needed: 1 | 2 | 4 | 16 | 32, bad: 128 | 1024 | 32768 };
     /// ESTIMATOR_STATUS_FLAGS: the same, but GPS glitch is 1024 and a bad accelerometer 2048. PX4 sets
     /// 128 (constant position) whenever the vehicle is at rest, so it says nothing; without a source of
     /// position absolute position is missing too.
-    const PX4: Self = Self { needed: 1 | 2 | 4 | 16, bad: 1024 | 2048 };
+    const PX4: Self = Self { needed: 1 | 2 | 4 | 16 | 32, bad: 1024 | 2048 };
 
     const fn healthy(&self, flags: u16) -> bool {
         flags & self.needed == self.needed && flags & self.bad == 0
@@ -257,7 +263,10 @@ mod tests {
         };
         assert_eq!(report(0x33f), Some(Telemetry::Estimator { healthy: true }));
         assert_eq!(report(0x33f | 128), Some(Telemetry::Estimator { healthy: false }));
-        assert_eq!(report(0x33f & !16), Some(Telemetry::Estimator { healthy: false }));
+        // Horizontal velocity and position, vertical velocity and position.
+        for lost in [2, 16, 4, 32] {
+            assert_eq!(report(0x33f & !lost), Some(Telemetry::Estimator { healthy: false }), "{lost}");
+        }
     }
 
     #[test]
@@ -268,7 +277,9 @@ mod tests {
             Telemetry::read(230, &payload)
         };
         assert_eq!(report(1023), Some(Telemetry::Estimator { healthy: true }));
-        assert_eq!(report(1023 & !16), Some(Telemetry::Estimator { healthy: false }));
+        for lost in [2, 16, 4, 32] {
+            assert_eq!(report(1023 & !lost), Some(Telemetry::Estimator { healthy: false }), "{lost}");
+        }
         assert_eq!(report(1023 | 1024), Some(Telemetry::Estimator { healthy: false }));
     }
 

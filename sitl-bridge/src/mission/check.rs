@@ -1,10 +1,11 @@
 //! From what is written to a mission that can be flown.
 
-use super::definition::{DEFAULT_MARGIN_U, Layers, Mission, square_fence};
+use super::definition::{DEFAULT_MARGIN_U, Mission, square_fence};
 use super::drawing::{Drawing, FARTHEST_LON, Order, Spot, turned_back};
 use super::fault::{Fault, fault};
-use super::file::{AltitudeFile, Decide, FenceFile, MissionFile, Origin};
+use super::file::{Decide, FenceFile, MissionFile, Origin};
 use super::format::Format;
+use super::height_warnings::height_warnings;
 use super::outline::{Shaped, shape};
 use super::plane::{OriginError, Plane, Scale, to_e7};
 use super::poi_check::{Poi, PoiCheck};
@@ -41,8 +42,8 @@ pub(super) fn check(
     check.mission(origin)
 }
 
-struct Check<'a> {
-    file: &'a MissionFile,
+pub(super) struct Check<'a> {
+    pub(super) file: &'a MissionFile,
     drawing: &'a Drawing,
     format: Format,
     /// Stands before the names of fields.
@@ -59,7 +60,7 @@ struct Degrees<'s> {
 }
 
 impl Check<'_> {
-    fn fault(&self, field: &str, problem: impl std::fmt::Display) -> Fault {
+    pub(super) fn fault(&self, field: &str, problem: impl std::fmt::Display) -> Fault {
         let named = format!("{}{field}", self.prefix);
         Fault { field: field.to_owned(), problem: format!("{named} {problem}") }
     }
@@ -83,6 +84,7 @@ impl Check<'_> {
         }
         let scale = Scale { unit_m: file.scale_m, step_ms: file.step_ms };
         let layers = self.layers()?;
+        let heights = self.heights()?;
         let Shaped { corners: fence, mut notes } = self.fence(&plane, scale)?;
         let pois = self.pois(&plane, scale)?;
         let mut mission = Mission {
@@ -91,6 +93,7 @@ impl Check<'_> {
             side_u: file.side_u,
             fence,
             layers,
+            heights,
             pois: Vec::new(),
             policy_seed: file.policy_seed,
             mode: match file.decide {
@@ -107,7 +110,8 @@ impl Check<'_> {
         if count > Scenario::MAX_POIS {
             return Err(self.fault("pois_u", format!("has {count} points; use {} at most", Scenario::MAX_POIS)));
         }
-        let warnings = checked.warnings(&mission);
+        let mut warnings = checked.warnings(&mission);
+        warnings.extend(height_warnings(&mission));
         mission.pois = checked.on_map.iter().map(|poi| poi.place).collect();
         notes.extend(is_turned.then(|| format!("{}origin.lon: {} is {lon}", self.prefix, origin.lon)));
         notes.extend(self.altitudes());
@@ -140,20 +144,6 @@ impl Check<'_> {
                 first.at
             ),
         }
-    }
-
-    fn layers(&self) -> Result<Layers, Fault> {
-        let AltitudeFile { base_m, spacing_m, layers } = self.file.altitude;
-        self.within("altitude.base_m", base_m, 2.0, 500.0)?;
-        self.within("altitude.spacing_m", spacing_m, 0.0, 100.0)?;
-        self.within("altitude.layers", layers, 1, 1000)?;
-        let highest_m = base_m + f64::from(layers - 1) * spacing_m;
-        if highest_m > 1000.0 {
-            return Err(
-                self.fault("altitude.layers", format!("puts the highest layer at {highest_m} m; use 1000 m at most"))
-            );
-        }
-        Ok(Layers { base_m, spacing_m, count: layers })
     }
 
     fn pois(&self, plane: &Plane, scale: Scale) -> Result<Vec<Poi>, Fault> {
@@ -255,7 +245,7 @@ impl Check<'_> {
         }
         place.ok_or_else(|| {
             let (olat, olon) = plane.origin_degrees();
-            let km = distance_km([lat, lon], [olat, olon]);
+            let km = plane.distance_km(lat, lon);
             let problem = format!(
                 "is at {words}, {km:.0} km from the origin at latitude {olat}, longitude {olon}; 20 km is the limit"
             );
@@ -282,7 +272,7 @@ impl Check<'_> {
         ))
     }
 
-    fn within<T: PartialOrd + std::fmt::Display + Copy>(
+    pub(super) fn within<T: PartialOrd + std::fmt::Display + Copy>(
         &self,
         field: &str,
         value: T,
@@ -299,11 +289,4 @@ impl Check<'_> {
 fn on_plane(plane: &Plane, scale: Scale, lat: f64, lon: f64) -> Option<Vec2> {
     let sound = (-90.0..=90.0).contains(&lat) && (-180.0..=180.0).contains(&lon);
     sound.then(|| plane.place(to_e7(lat), to_e7(lon))).flatten().map(|place| scale.position(place))
-}
-
-/// Along the globe, for words.
-fn distance_km(a: [f64; 2], b: [f64; 2]) -> f64 {
-    let [dlat, dlon] = [b[0] - a[0], b[1] - a[1]].map(|d| (d.to_radians() / 2.0).sin().powi(2));
-    let h = dlat + a[0].to_radians().cos() * b[0].to_radians().cos() * dlon;
-    12_742.0 * h.sqrt().min(1.0).asin()
 }

@@ -5,6 +5,7 @@ use firmware_core::actor::Mode;
 use firmware_core::gate::{Geofence, GeofenceError, Vector, altitude_layer_mm};
 use firmware_core::geometry::{TICKS_PER_U, Vec2};
 use firmware_core::observation::HALF_SIDE_LIMIT;
+use thiserror::Error;
 
 /// Where no margin is given, the fence stands this far outside the map, u.
 pub const DEFAULT_MARGIN_U: f64 = 10.0;
@@ -22,6 +23,8 @@ pub struct Mission {
     pub fence: Vec<Vec2>,
     /// How high each UAV flies.
     pub layers: Layers,
+    /// What heights are believed and flown.
+    pub heights: HeightLimits,
     /// Points of interest on the map, ticks.
     pub pois: Vec<Vec2>,
     /// Seed that all UAVs draw their actions and tie-breakers from.
@@ -44,7 +47,60 @@ pub struct Layers {
     pub count: u16,
 }
 
+/// What heights above home are flown, and how much measured heights may differ. Home is where the vehicle
+/// stood when it was armed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeightLimits {
+    /// Greatest height of a UAV's layer above its home, m.
+    pub highest_above_home_m: f64,
+    /// Home may lie so much above or below the mission's origin, m.
+    pub home_within_m: f64,
+    /// After the climb the heights by the estimator and by the GPS may differ by so much, m.
+    pub check_m: f64,
+}
+
+impl Default for HeightLimits {
+    fn default() -> Self {
+        Self { highest_above_home_m: 120.0, home_within_m: 20.0, check_m: 7.5 }
+    }
+}
+
+impl Default for Layers {
+    /// Twenty layers with 5 m between two: what the heights of GPS receivers differ by, and 115 m at most.
+    fn default() -> Self {
+        Self { base_m: 20.0, spacing_m: 5.0, count: 20 }
+    }
+}
+
+/// UAVs of one altitude layer: the mission has too few.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error(
+    "UAV {id} has no altitude layer of its own: the mission has {count} (altitude.layers), so it would fly at the \
+     height of UAV {}; raise altitude.layers",
+    id % count
+)]
+pub struct SharedLayer {
+    /// The UAV's id.
+    pub id: u16,
+    /// Number of layers.
+    pub count: u16,
+}
+
 impl Layers {
+    /// Checks that UAV `id` shares its layer with no UAV of a lower id.
+    ///
+    /// # Errors
+    /// [`SharedLayer`] when there are no more than `id` layers.
+    pub const fn check(&self, id: u16) -> Result<(), SharedLayer> {
+        if id < self.count { Ok(()) } else { Err(SharedLayer { id, count: self.count }) }
+    }
+
+    /// Whether two UAVs fly at one height.
+    #[must_use]
+    pub fn are_one(&self, a: u16, b: u16) -> bool {
+        a.checked_rem(self.count) == b.checked_rem(self.count)
+    }
+
     /// The altitude of UAV `id` above the origin, mm.
     #[must_use]
     pub fn altitude_mm(&self, id: u16) -> i32 {
@@ -105,5 +161,17 @@ mod tests {
     fn layers_go_round_with_the_id() {
         let layers = Layers { base_m: 20.0, spacing_m: 3.0, count: 4 };
         assert_eq!([0, 1, 3, 4, 7].map(|id| layers.altitude_mm(id)), [20_000, 23_000, 29_000, 20_000, 29_000]);
+        assert!(layers.are_one(0, 4) && !layers.are_one(0, 3));
+        assert!(layers.check(3).is_ok());
+        let shared = layers.check(6).unwrap_err().to_string();
+        assert!(
+            shared.contains("the mission has 4 (altitude.layers), so it would fly at the height of UAV 2"),
+            "{shared}"
+        );
+    }
+
+    #[test]
+    fn the_usual_layers_stay_below_the_usual_limit() {
+        assert!(Layers::default().highest_m() <= HeightLimits::default().highest_above_home_m);
     }
 }

@@ -1,5 +1,6 @@
 //! The fields of a mission as they are written, and where TOML has them.
 
+use super::definition::{HeightLimits, Layers};
 use super::fault::{Fault, broken};
 use super::text::place;
 use firmware_core::neighbour_table::DEFAULT_STEP_MS;
@@ -77,11 +78,16 @@ pub(super) struct AltitudeFile {
     pub base_m: f64,
     pub spacing_m: f64,
     pub layers: u16,
+    pub highest_above_home_m: f64,
+    pub home_within_m: f64,
+    pub check_m: f64,
 }
 
 impl Default for AltitudeFile {
     fn default() -> Self {
-        Self { base_m: 20.0, spacing_m: 2.5, layers: 20 }
+        let Layers { base_m, spacing_m, count } = Layers::default();
+        let HeightLimits { highest_above_home_m, home_within_m, check_m } = HeightLimits::default();
+        Self { base_m, spacing_m, layers: count, highest_above_home_m, home_within_m, check_m }
     }
 }
 

@@ -18,6 +18,8 @@ mod file;
 mod format;
 mod formats;
 mod given;
+mod height_fields;
+mod height_warnings;
 mod loaded;
 mod outline;
 mod plane;
@@ -27,7 +29,7 @@ mod text;
 mod world;
 mod writer;
 
-pub use definition::{DEFAULT_MARGIN_U, Layers, Mission, square_fence};
+pub use definition::{DEFAULT_MARGIN_U, HeightLimits, Layers, Mission, SharedLayer, square_fence};
 pub use draft::Draft;
 pub use error::MissionError;
 pub use file::Origin;

@@ -72,6 +72,15 @@ impl Plane {
         self.frame.geodetic_e7(place)
     }
 
+    /// Distance along the globe from the origin to a latitude and longitude in degrees, km, for words.
+    #[must_use]
+    pub fn distance_km(&self, lat: f64, lon: f64) -> f64 {
+        let (olat, olon) = self.origin_degrees();
+        let [dlat, dlon] = [olat - lat, olon - lon].map(|d| (d.to_radians() / 2.0).sin().powi(2));
+        let h = dlat + lat.to_radians().cos() * olat.to_radians().cos() * dlon;
+        12_742.0 * h.sqrt().min(1.0).asin()
+    }
+
     /// Latitude and longitude of the origin, degrees.
     #[must_use]
     pub fn origin_degrees(&self) -> (f64, f64) {

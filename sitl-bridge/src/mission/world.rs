@@ -1,6 +1,6 @@
 //! A world of the scenario as a mission.
 
-use super::definition::{DEFAULT_MARGIN_U, Layers, Mission, square_fence};
+use super::definition::{DEFAULT_MARGIN_U, HeightLimits, Layers, Mission, square_fence};
 use super::file::Origin;
 use super::plane::{OriginError, Plane, Scale};
 use covey_env::World;
@@ -21,7 +21,8 @@ impl Mission {
             scale: Scale { unit_m: 2.5, step_ms: DEFAULT_STEP_MS },
             side_u,
             fence: square_fence(side_u, DEFAULT_MARGIN_U),
-            layers: Layers { base_m: 20.0, spacing_m: 2.5, count: 20 },
+            layers: Layers::default(),
+            heights: HeightLimits::default(),
             pois: world.poi_x().iter().zip(world.poi_y()).map(|(&x, &y)| Vec2::from_u(x, y)).collect(),
             policy_seed: 10,
             mode: Mode::Sample,

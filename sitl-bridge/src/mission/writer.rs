@@ -1,6 +1,6 @@
 //! A mission as a file, and its hash.
 
-use super::definition::{Layers, Mission};
+use super::definition::{HeightLimits, Layers, Mission};
 use firmware_core::actor::Mode;
 use firmware_core::geometry::{TICKS_PER_U, Vec2};
 use sha2::Digest as _;
@@ -15,6 +15,19 @@ impl Mission {
         sha2::Sha256::digest(text.as_bytes()).into()
     }
 
+    /// The limits of heights that are not the usual ones: a mission from before there were any has the hash that
+    /// it had.
+    fn heights_as_written(&self) -> String {
+        let (limits, usual) = (self.heights, HeightLimits::default());
+        let fields = [
+            ("highest_above_home_m", limits.highest_above_home_m, usual.highest_above_home_m),
+            ("home_within_m", limits.home_within_m, usual.home_within_m),
+            ("check_m", limits.check_m, usual.check_m),
+        ];
+        let written = fields.into_iter().filter(|(_, value, usual)| value != usual);
+        written.map(|(name, value, _)| format!("{name} = {value:?}\n")).collect()
+    }
+
     /// The mission as a file that reads back as the same; `title` becomes a comment.
     #[must_use]
     pub fn to_toml(&self, title: &str) -> String {
@@ -25,6 +38,7 @@ impl Mission {
         }
         let decide = if self.mode == Mode::Argmax { "argmax" } else { "sample" };
         let Layers { base_m, spacing_m, count } = self.layers;
+        let heights = self.heights_as_written();
         let _ = write!(
             out,
             "# The map is a square; x points east, y north, and its south-west corner lies here:
@@ -54,7 +68,7 @@ pois_u = [
 base_m = {base_m:?}
 spacing_m = {spacing_m:?}
 layers = {count}
-
+{heights}
 [fence]
 polygon_u = [
 "
@@ -94,6 +108,9 @@ mod tests {
             mission.mode = if uniform { Mode::Argmax } else { Mode::Sample };
             mission.policy_seed = index.wrapping_mul(0x1_0000_0001);
             mission.epoch_unix_ms = 1_790_000_000_000;
+            if uniform {
+                mission.heights.home_within_m = 31.25;
+            }
             let text = mission.to_toml("one\ntwo");
             let read = Loaded::from_bytes(text.as_bytes(), Path::new("m.toml")).unwrap();
             prop_assert_eq!((read.mission.hash(), read.mission), (mission.hash(), mission));

@@ -22,6 +22,8 @@ pub(super) struct GateContext<'a> {
     pub swarm_ms: Option<u32>,
     /// The operator's request since the gate was last asked.
     pub request: Option<Request>,
+    pub height_doubted: bool,
+    pub swarm_incomplete: bool,
 }
 
 /// The gate's inputs. Invalid numbers of the autopilot are reported once and then forgotten.
@@ -60,6 +62,8 @@ pub(super) fn gate_inputs(autopilot: &mut Autopilot, context: &GateContext<'_>, 
         armed: autopilot.is_armed(),
         airborne: autopilot.is_airborne(),
         swarm_ms: context.swarm_ms,
+        height_doubted: context.height_doubted,
+        swarm_incomplete: context.swarm_incomplete,
         // A node is only made with an actor that passed it.
         self_test: true,
         operator: context.request,

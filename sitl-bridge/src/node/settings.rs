@@ -103,6 +103,9 @@ impl<'a> Settings<'a> {
     }
 }
 
+/// A vehicle on its layer may always be so far from it, mm: what a climb overshoots by.
+const LEAST_LAYER_MM: u32 = 1500;
+
 /// The safety gate's limits for a mission: `base` (real flight, simulation or ideal) adapted to its
 /// scale, step length and altitude layers.
 #[must_use]
@@ -124,6 +127,7 @@ pub fn gate_limits(base: Limits, mission: &Mission) -> Limits {
         braking_mm_s2: base.braking_mm_s2.min(acceleration_mm_s2),
         altitude_floor_mm: base.altitude_floor_mm.min((layers.base_m * 500.0) as i32),
         altitude_ceiling_mm: (layers.highest_m() * 1000.0) as i32 + 10_000,
+        layer_mm: ((layers.spacing_m * 500.0) as u32).max(LEAST_LAYER_MM),
         decision_ms: steps(2.25),
         swarm_ms: steps(3.0),
         // For PX4; the node sends them to no other autopilot.

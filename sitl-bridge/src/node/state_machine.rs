@@ -6,10 +6,11 @@ use super::decision_loop::{DecisionLoop, Measurement, StepOutput};
 use super::ending::{Ending, last_setpoint};
 use super::gate_driver::{GateDriver, SetpointFilter};
 use super::gate_inputs::{GateContext, gate_inputs};
+use super::height_check::HeightCheck;
 use super::host_clock::HostClockFallback;
 use super::host_time::HostTime;
 use super::link_monitor::LinkMonitor;
-use super::operator::OperatorCommand;
+use super::muster::Muster;
 use super::output::NodeOutput;
 use super::refusals::{Link, Refusals};
 use super::settings::{Settings, SettingsError};
@@ -17,13 +18,13 @@ use super::status::Status;
 use super::step_timing::Pace;
 use super::timebase::Timebase;
 use super::velocity_profile::VelocityProfile;
-use crate::autopilot::{Autopilot, Notice, Odometry, Order, Ordered, Stage, TelemetryUpdate, VehicleState};
+use crate::autopilot::{Autopilot, Notice, Odometry, Stage, TelemetryUpdate, VehicleState};
 use crate::frame::Frame;
 use crate::messages::{Payload, SetPositionTargetLocalNed, Telemetry, heartbeat};
 use crate::signing::Session;
 use crate::swarm_link::{COMPONENT, SwarmLink};
 use firmware_core::agent::AgentError;
-use firmware_core::gate::{Gate, Phase, Request, Verdict};
+use firmware_core::gate::{Gate, Phase, Verdict};
 use firmware_core::geometry::State;
 
 /// Between two HEARTBEATs of the node, ms.
@@ -33,22 +34,26 @@ const HEARTBEAT_MS: i64 = 1000;
 #[derive(Debug)]
 pub struct Node<'a> {
     pub(super) settings: Settings<'a>,
-    autopilot: Autopilot,
+    pub(super) autopilot: Autopilot,
     autopilot_link: AutopilotLink,
-    swarm_link: SwarmLink,
+    pub(super) swarm_link: SwarmLink,
     session: Session,
     decisions: DecisionLoop<'a>,
-    gate: GateDriver,
+    pub(super) gate: GateDriver,
+    pub(super) height_check: HeightCheck,
+    pub(super) muster: Muster,
     links: LinkMonitor,
     refusals: [Refusals; 2],
-    timebase: Timebase,
+    pub(super) timebase: Timebase,
     host_clock: HostClockFallback,
     /// Whether the operator, or the pilot's takeoff, has started the mission.
-    started: bool,
+    pub(super) started: bool,
+    /// That the vehicle stands at another place than the mission's was told.
+    pub(super) place_told: bool,
     /// The vehicle is being braked, to be let go.
-    ending: Option<Ending>,
+    pub(super) ending: Option<Ending>,
     /// Notices of what the operator asked for, until the next turn.
-    answers: Vec<Notice>,
+    pub(super) answers: Vec<Notice>,
     /// When the last HEARTBEAT was sent, ms of the node's clock.
     heartbeat_ms: i64,
 }
@@ -87,11 +92,14 @@ impl<'a> Node<'a> {
             session,
             decisions,
             gate: GateDriver::new(gate),
+            height_check: HeightCheck::new(settings.mission.heights.check_m),
+            muster: Muster::new(settings.id, settings.mission.layers, settings.mission.scale.step_ms),
             links: LinkMonitor::default(),
             refusals: [Link::Autopilot, Link::Swarm].map(Refusals::new),
             timebase: Timebase::default(),
             host_clock: HostClockFallback::default(),
             started: false,
+            place_told: false,
             ending: None,
             answers: Vec::new(),
             heartbeat_ms: i64::MIN / 2,
@@ -103,76 +111,16 @@ impl<'a> Node<'a> {
         Ok(node)
     }
 
-    /// Carries out a command of the operator.
-    pub fn command(&mut self, command: OperatorCommand) {
-        match command {
-            OperatorCommand::Start => self.start(),
-            OperatorCommand::Release => self.release(false),
-            OperatorCommand::Return => self.order(Order::Return),
-            OperatorCommand::Land => self.release(true),
-        }
-    }
-
-    /// Starts the mission: takes control of the vehicle, with takeoff if need be.
-    pub fn start(&mut self) {
-        self.begin(true);
-    }
-
-    /// Starts; only with `may_take` with a vehicle that is armed and in another mode.
-    fn begin(&mut self, may_take: bool) {
-        self.started = true;
-        self.ending = None;
-        if self.gate.phase() == Phase::BringUp && self.autopilot.goes_on(may_take) {
-            return;
-        }
-        self.gate.set_request(Request::Start);
-        self.autopilot.restart(may_take);
-    }
-
-    /// Releases control of the vehicle. In flight it is braked first, until it stands still or for 3 s;
-    /// see [`Node::is_ending`]. With `land` it is commanded to land instead.
-    pub fn release(&mut self, land: bool) {
-        if land {
-            self.order(Order::Land);
-        } else {
-            self.end(self.gate.is_flying());
-        }
-    }
-
-    /// Orders a return or a landing of a vehicle that nobody else flies.
-    fn order(&mut self, order: Order) {
-        self.end(false);
-        match self.autopilot.order(order, self.timebase.now_ms()) {
-            Ordered::Commanded => self.gate.set_request(Request::Return),
-            Ordered::Waits => self.answers.push(Notice::info("commanded as soon as the vehicle is this node's")),
-            Ordered::Refused => self.answers.push(self.autopilot.refusal()),
-        }
-    }
-
-    /// Releases control at once or, with `brake`, once the vehicle stands still.
-    fn end(&mut self, brake: bool) {
-        // Nothing starts by itself after an order of the operator.
-        self.started = true;
-        if !brake {
-            self.ending = None;
-            self.gate.set_request(Request::Release);
-        } else if self.ending.is_none() {
-            self.ending = Some(Ending::new(self.timebase.now_ms()));
-            self.answers.push(Notice::info("braking before the vehicle is let go"));
-        }
-    }
-
-    /// Whether the end of the flight is still under way: the vehicle is being braked, or a command waits
-    /// for the autopilot's COMMAND_ACK.
-    #[must_use]
-    pub fn is_ending(&self) -> bool {
-        self.ending.is_some() || self.autopilot.awaits_ack()
-    }
-
     /// Counts steps from this Unix time, ms, instead of the mission's epoch; with `None` there are no
     /// steps.
     pub fn set_epoch(&mut self, epoch_ms: Option<i64>) {
         self.decisions.set_epoch(epoch_ms);
+    }
+
+    /// So many UAVs start together, this one included: none moves sideways before all of them are in the
+    /// air. Otherwise each flies as soon as it is on its layer.
+    pub const fn start_together(&mut self, uavs: u16) {
+        self.muster.set_size(uavs);
     }
 
     /// The next sequence number of neighbour messages.
@@ -285,6 +233,9 @@ impl<'a> Node<'a> {
             if self.settings.record {
                 out.received.push(neighbour.frame);
             }
+            let id = neighbour.message.header().id;
+            let warning = self.muster.hear(id, self.timebase.now_ms());
+            out.notices.extend(warning);
             if self.decisions.receive(neighbour.message) {
                 self.links.swarm_heard(self.autopilot.state.now_ms(), now);
             }
@@ -358,6 +309,12 @@ impl<'a> Node<'a> {
         }
     }
 
+    /// The height by the GPS against that by the estimator, once the vehicle is up.
+    fn check_height(&mut self, out: &mut NodeOutput) {
+        let airborne = self.autopilot.is_airborne();
+        out.notices.extend(self.height_check.update(&self.autopilot.state, airborne));
+    }
+
     /// New odometry: runs the decision loop and answers with a setpoint.
     fn handle_odometry(&mut self, now: HostTime, out: &mut NodeOutput) {
         let Some(odometry) = self.autopilot.state.odometry else { return };
@@ -371,6 +328,7 @@ impl<'a> Node<'a> {
             self.start();
         }
         self.gate.position_arrived(now);
+        self.check_height(out);
         self.answer_unless_held(now, out);
     }
 
@@ -426,16 +384,25 @@ impl<'a> Node<'a> {
             profile: self.decisions.velocity_profile().filter(|_| self.ending.is_none()),
             swarm_ms: self.links.swarm_boot_ms(),
             request: self.gate.take_request(),
+            height_doubted: self.height_check.is_doubted(),
+            swarm_incomplete: self.muster.is_incomplete(self.timebase.now_ms(), self.autopilot.is_airborne()),
         };
+        let flew = self.gate.phase() == Phase::Flight;
         let inputs = gate_inputs(&mut self.autopilot, &context, now);
         let mut output = self.gate.tick(&inputs, now, filter, self.autopilot.takes_early_setpoints());
-        let mut stands = false;
+        let mut closes = false;
+        if !flew && let Some(refusal) = self.refusal() {
+            self.autopilot.give_up(&refusal, &mut out.notices);
+            (output.notice, output.setpoint) = (None, None);
+            closes = true;
+            self.end(false);
+        }
         if let Some(ending) = self.ending {
             // That the gate holds is no news: the operator was told of the braking.
             output.notice = output.notice.filter(|_| !matches!(self.gate.verdict(), Verdict::Hold(..)));
             if ending.is_over(&inputs, &self.gate.verdict(), self.timebase.now_ms()) {
                 output.setpoint = last_setpoint(&self.gate.verdict());
-                stands = true;
+                closes = true;
                 self.end(false);
             }
         }
@@ -453,7 +420,7 @@ impl<'a> Node<'a> {
             self.send(&message.payload(self.target()), now, out);
             self.autopilot.note_setpoint();
         }
-        if stands {
+        if closes {
             // The gate closes behind the last setpoint.
             self.ask_gate(now, SetpointFilter::NewVerdict, out);
         }
@@ -469,6 +436,7 @@ impl<'a> Node<'a> {
 
     /// Sends the command that the autopilot's bring-up or the end of the flight calls for.
     fn poll_autopilot(&mut self, now: HostTime, out: &mut NodeOutput) {
+        self.tell_what_is_missing(out);
         let clearance = self.gate.clearance();
         let command = self.autopilot.poll(self.timebase.now_ms(), clearance, &mut out.notices);
         if let Some(command) = command {

@@ -142,6 +142,14 @@ impl Fleet {
         }
     }
 
+    /// The next event, whenever it comes.
+    ///
+    /// # Errors
+    /// [`FleetError::Ended`] once the process has ended and all its events were returned.
+    pub fn next_event(&mut self) -> Result<Value, FleetError> {
+        self.events.recv().map_err(|_| self.ended())
+    }
+
     /// Stops the fleet and returns its last events.
     pub fn stop(&mut self) -> Vec<Value> {
         self.command(&serde_json::json!({"stop": true}));

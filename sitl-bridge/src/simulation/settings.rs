@@ -94,7 +94,8 @@ impl<'a> Simulation<'a> {
         mission.policy_seed = policy_seed(self.seed, index);
         mission.mode = self.mode;
         // Close together, so that takeoff takes no time: simulated vehicles do not collide.
-        mission.layers = Layers { base_m: 10.0, spacing_m: 1.0, count: 10 };
+        let count = u16::try_from(world.x().len()).unwrap_or(u16::MAX);
+        mission.layers = Layers { base_m: 10.0, spacing_m: (100.0 / f64::from(count)).min(1.0), count };
         if self.ideal {
             mission.fence = square_fence(mission.side_u, IDEAL_MARGIN_U);
         }

@@ -17,8 +17,10 @@ use std::sync::mpsc::channel;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// A setpoint that does not come in this time does not come at all.
-const LOST: Duration = Duration::from_secs(20);
+/// A vehicle that is not in flight by then never will be, seconds of its own time.
+const BRING_UP_S: u32 = 300;
+/// Ticks in a second of the vehicle's time.
+const TICKS_A_SECOND: u32 = 5;
 /// Length of the garbage's datagrams, bytes.
 const GARBAGE: usize = 60;
 
@@ -58,27 +60,40 @@ impl VehicleLink {
         let socket = UdpSocket::bind((local, 0)).unwrap();
         let vehicle = Vehicle::new(Firmware::ArduPilot, &mission, Vec2::from_u(100.0, 100.0));
         let mut link = Self { vehicle, node, socket, stop, thread };
-        let began = Instant::now();
+        let mut seconds = 0;
         while link.vehicle.speed() < 1.0 {
-            assert!(began.elapsed() < LOST, "not in flight: {:?}", link.vehicle.commands);
-            link.send_tick();
-            // Commands are answered at the next tick.
-            link.hear(Duration::from_millis(5));
+            assert!(seconds < BRING_UP_S, "not in flight: {:?}", link.vehicle.commands);
+            if link.vehicle.setpoints.is_empty() {
+                link.second();
+            } else {
+                for _ in 0..TICKS_A_SECOND {
+                    link.tick();
+                }
+            }
+            seconds += 1;
         }
         link
     }
 
     /// Lets a tick pass, tells of it, and waits for its setpoint: how long that took.
     pub fn tick(&mut self) -> Duration {
-        while self.hear(Duration::from_millis(1)) {}
+        self.hear_all();
         let before = self.vehicle.setpoints.len();
         self.send_tick();
         let sent = Instant::now();
         while self.vehicle.setpoints.len() == before {
-            assert!(sent.elapsed() < LOST, "no setpoint");
-            self.hear(Duration::from_millis(100));
+            self.hear();
         }
         sent.elapsed()
+    }
+
+    /// Lets a second of the vehicle's time pass. The node sends one HEARTBEAT in it, which is waited for.
+    fn second(&mut self) {
+        let before = self.vehicle.heartbeats;
+        (0..TICKS_A_SECOND).for_each(|_| self.send_tick());
+        while self.vehicle.heartbeats == before {
+            self.hear();
+        }
     }
 
     /// Ends the node; its counts.
@@ -93,17 +108,29 @@ impl VehicleLink {
         }
     }
 
-    /// Takes in a datagram of the node, waiting so long; whether there was one.
-    fn hear(&mut self, wait: Duration) -> bool {
-        self.socket.set_read_timeout(Some(wait)).unwrap();
+    /// Takes in the node's next datagram, whenever it comes.
+    fn hear(&mut self) {
         let mut buffer = [0; 512];
-        let Ok(len) = self.socket.recv(&mut buffer) else { return false };
+        let len = self.socket.recv(&mut buffer).unwrap();
+        self.take(&buffer[..len]);
+    }
+
+    /// Takes in what has come already.
+    fn hear_all(&mut self) {
+        let mut buffer = [0; 512];
+        self.socket.set_nonblocking(true).unwrap();
+        while let Ok(len) = self.socket.recv(&mut buffer) {
+            self.take(&buffer[..len]);
+        }
+        self.socket.set_nonblocking(false).unwrap();
+    }
+
+    fn take(&mut self, datagram: &[u8]) {
         let mut reader = Reader::new(Source::Datagrams);
-        reader.push(&buffer[..len]);
+        reader.push(datagram);
         while let Some(frame) = reader.next_frame() {
             self.vehicle.hear(&frame);
         }
-        true
     }
 }
 

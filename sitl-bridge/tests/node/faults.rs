@@ -180,6 +180,17 @@ fn ekf_bad() {
 }
 
 #[test]
+fn vertical_estimate_lost() {
+    // Vertical velocity, absolute height.
+    for flag in [4, 32] {
+        for phase in PHASES {
+            let flight = expect(phase, Reason::EkfUnhealthy, |f| f.vehicle.lost_flags = flag, tick);
+            expect_flight_after(phase, flight, |f| f.vehicle.lost_flags = 0);
+        }
+    }
+}
+
+#[test]
 fn nan_telemetry() {
     for phase in PHASES {
         let flight = expect(phase, Reason::NumberRefused, |f| f.vehicle.broken = true, tick);
@@ -373,6 +384,30 @@ fn position_jumps() {
         assert_eq!(flight.node.verdict().name(), acted, "{phase:?}");
         // It settles: the flight goes on.
         assert!(flight.until(3, |f| f.node.verdict().reason() == usual(phase)), "{phase:?}: {:?}", flight.words());
+    }
+}
+
+#[test]
+fn height_jumps() {
+    for (phase, by_mm) in PHASES.into_iter().flat_map(|phase| [(phase, 20_000.0), (phase, -9000.0)]) {
+        let mut flight = in_phase(phase);
+        flight.vehicle.height_error_mm = by_mm;
+        flight.tick();
+        assert_eq!(flight.node.verdict().reason(), Some(Reason::PositionJumped), "{phase:?}");
+        let acted = if phase == Phase::Takeoff { "silent" } else { "hold" };
+        assert_eq!(flight.node.verdict().name(), acted, "{phase:?}");
+        if phase == Phase::Takeoff {
+            // The autopilot goes on with its climb by the height that it has now.
+            continue;
+        }
+        let since = Since::now(&flight);
+        // Until it has settled no height is flown to.
+        assert!(flight.until(3, |f| f.node.verdict().reason() != Some(Reason::PositionJumped)), "{:?}", flight.words());
+        let held = since.setpoints(&flight).len().saturating_sub(1);
+        assert!(since.setpoints(&flight)[..held].iter().all(|s| s.climb == 0.0), "{phase:?}");
+        // Then it goes to its layer by what is said now, and flies on there.
+        let well = |f: &Flight| f.node.stage() == Stage::Flying && f.node.verdict().reason() == usual(phase);
+        assert!(flight.until(60, well) || phase == Phase::Hold, "{phase:?} {by_mm}: {:?}", flight.words());
     }
 }
 

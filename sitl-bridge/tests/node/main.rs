@@ -5,9 +5,11 @@ mod early;
 mod ending;
 mod faults;
 mod flight;
+mod heights;
 mod identity;
 mod keys;
 mod mission;
+mod muster;
 mod neighbours;
 mod orders;
 mod parameters;
@@ -44,7 +46,7 @@ fn ardupilot_is_brought_into_flight() {
     let flight = flying(5, Firmware::ArduPilot);
     let v = &flight.vehicle;
     assert_eq!(commands(v), [mav_cmd::DO_SET_MODE, mav_cmd::COMPONENT_ARM_DISARM, mav_cmd::NAV_TAKEOFF]);
-    // Layer 1 of 4: 12 m.
+    // Layer 5 of 8: 12 m.
     assert_eq!(v.commands.last().unwrap().1, [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 12.0]);
     assert!((v.height_mm - 12_000.0).abs() <= 1000.0);
     let rates: Vec<_> =
@@ -55,7 +57,7 @@ fn ardupilot_is_brought_into_flight() {
 
 #[test]
 fn px4_gets_setpoints_before_offboard() {
-    let flight = flying(1, Firmware::Px4);
+    let flight = flying(5, Firmware::Px4);
     let v = &flight.vehicle;
     assert_eq!(commands(v), [mav_cmd::COMPONENT_ARM_DISARM, mav_cmd::NAV_TAKEOFF, mav_cmd::DO_SET_MODE]);
     assert_eq!(v.commands.iter().find(|c| c.0 == mav_cmd::NAV_TAKEOFF).unwrap().1[6], 500.0);

@@ -75,7 +75,7 @@ fn neighbour_vanishes() {
 fn neighbour_teleports() {
     let (mut a, mut b) = two();
     let before = a.vehicle.setpoints.len();
-    b.vehicle.place.east_mm += 60_000.0;
+    b.vehicle.place.east_mm += 120_000.0;
     together(&mut a, &mut b, TICKS, |_| true);
     flew_on(&a, before);
     // Once not believed, then confirmed where it is: out of range.
@@ -163,7 +163,7 @@ fn swarm_link_cut() {
 fn in_takeoff_neighbours_change_nothing() {
     let bring_up = |speak: bool| {
         let mut a = uav(1, 100.0, |_| {});
-        let mut others = [uav(2, 104.0, |_| {}), uav(2, 92.0, |_| {}), uav(1, 108.0, |_| {})];
+        let mut others = [uav(2, 104.0, |_| {}), uav(2, 92.0, |_| {}), uav(3, 108.0, |_| {})];
         others.iter_mut().for_each(|other| assert!(other.until(60, |f| f.node.stage() == Stage::Flying)));
         let mut ticks = 0;
         while a.node.stage() != Stage::Flying {

@@ -151,6 +151,18 @@ fn a_start_in_the_climb_commands_no_second_takeoff() {
 fn a_return_that_was_ordered_can_still_become_a_landing() {
     for firmware in FIRMWARES {
         let mut flight = Stage::Returning.reach(firmware).unwrap();
+        // Whenever within the second between two heartbeats.
+        for ticks in 0..5 {
+            let mut flight = Stage::Returning.reach(firmware).unwrap();
+            flight.ticks(ticks);
+            flight.node.command(OperatorCommand::Land);
+            let land = if firmware == Firmware::Px4 { PX4_LAND } else { 9 };
+            flight.ticks(10);
+            assert_eq!(flight.vehicle.custom_mode, land, "{firmware:?} {ticks}: {:?}", flight.words());
+            flight.node.command(OperatorCommand::Return);
+            flight.ticks(10);
+            assert_ne!(flight.vehicle.custom_mode, land, "{firmware:?} {ticks}: {:?}", flight.words());
+        }
         // The pilot takes it on the way: no more orders.
         let pilots = if firmware == Firmware::Px4 { 3 << 16 } else { 5 };
         let rtl = std::mem::replace(&mut flight.vehicle.custom_mode, pilots);

@@ -29,9 +29,22 @@ pub struct Vehicle {
     pub custom_mode: u32,
     /// East and north of the origin, mm.
     pub place: Place,
+    /// Height above home.
     pub height_mm: f64,
+    /// Home's altitude above the mission's origin, mm.
+    pub home_mm: f64,
+    /// What the estimator's height is wrong by, and by how much the GPS's differs from it, mm.
+    pub height_error_mm: f64,
+    pub gps_error_mm: f64,
+    /// Flags that the estimator does not set.
+    pub lost_flags: u16,
     pub velocity: [f64; 2],
+    /// Where the autopilot's own takeoff climbs to, mm above home.
     target_mm: Option<f64>,
+    /// Vertical speed that was asked for, m/s.
+    climb: f64,
+    /// Vertical speed in the last tick, m/s.
+    climbs: f64,
     /// Velocity changes by no more than this, m/s²; at once where there is none.
     pub acceleration_mps2: Option<f64>,
     asked: [f64; 2],
@@ -125,8 +138,14 @@ impl Vehicle {
             custom_mode: if firmware == Firmware::Px4 { (3 << 24) | (4 << 16) } else { 0 },
             place: mission.scale.place(at),
             height_mm: 0.0,
+            home_mm: 0.0,
+            height_error_mm: 0.0,
+            gps_error_mm: 0.0,
+            lost_flags: 0,
             velocity: [0.0; 2],
             target_mm: None,
+            climb: 0.0,
+            climbs: 0.0,
             acceleration_mps2: None,
             asked: [0.0; 2],
             healthy: true,
@@ -167,6 +186,7 @@ impl Vehicle {
         self.boot_ms = self.boot_ms.wrapping_add(TICK_MS);
         self.unix_ms += (f64::from(TICK_MS) * self.unix_rate) as i64;
         let dt = f64::from(TICK_MS) / 1000.0;
+        let height_mm = self.height_mm;
         if let Some(target) = self.target_mm {
             let target = self.ceiling_mm.map_or(target, |ceiling| target.min(ceiling));
             self.height_mm += (target - self.height_mm).clamp(-500.0, 500.0);
@@ -179,6 +199,8 @@ impl Vehicle {
             self.custom_mode = (3 << 24) | (4 << 16);
             self.velocity = [0.0; 2];
         }
+        self.height_mm += self.climb * dt * 1000.0;
+        self.climbs = (self.height_mm - height_mm) / dt / 1000.0;
         if let Some(acceleration) = self.acceleration_mps2 {
             let change = [0, 1].map(|axis| self.asked[axis] - self.velocity[axis]);
             let share = (acceleration * dt / change[0].hypot(change[1]).max(1e-9)).min(1.0);
@@ -199,12 +221,13 @@ impl Vehicle {
                 // Seen on PX4: all ten flags on the ground, constant position among them.
                 Firmware::Px4 if self.height_mm == 0.0 => 1023,
                 _ => 0x33f,
-            };
+            } & !self.lost_flags;
             let (id, at, len) = if self.firmware == Firmware::Px4 { (230, 40, 42) } else { (193, 20, 22) };
             let mut estimator = vec![0; len];
             estimator[at..].copy_from_slice(&flags.to_le_bytes());
             out.push(self.frame(id, &estimator));
             let mut gps = [0; 30];
+            gps[16..20].copy_from_slice(&((self.altitude_mm() + self.gps_error_mm) as i32).to_le_bytes());
             gps[28] = self.gps_fix;
             out.push(self.frame(24, &gps));
             let mut status = [0; 31];
@@ -233,7 +256,12 @@ impl Vehicle {
     /// It boots again, as ArduPilot does.
     pub fn reboot(&mut self) {
         (self.boot_ms, self.armed, self.custom_mode, self.waits_for_rates) = (300, false, 0, true);
-        (self.height_mm, self.velocity, self.target_mm) = (0.0, [0.0; 2], None);
+        (self.height_mm, self.velocity, self.target_mm, self.climb) = (0.0, [0.0; 2], None, 0.0);
+    }
+
+    /// The takeoff under way ends so much higher, mm.
+    pub fn move_target(&mut self, by_mm: f64) {
+        self.target_mm = self.target_mm.map(|target| target + by_mm);
     }
 
     /// The next heartbeat comes in a second.
@@ -264,16 +292,21 @@ impl Vehicle {
         self.frame(0, &payload)
     }
 
+    /// Above mean sea level by the estimator, mm.
+    fn altitude_mm(&self) -> f64 {
+        f64::from(self.mission.plane.alt_mm) + self.home_mm + self.height_mm + self.height_error_mm
+    }
+
     fn global(&mut self) -> Frame {
         let (place, velocity) = self.told();
         let (lat, lon) = self.mission.plane.degrees_e7(place);
-        let alt = self.mission.plane.alt_mm + self.height_mm as i32;
+        let alt = self.altitude_mm() as i32;
         let mut payload = Vec::new();
         payload.extend(self.boot_ms.to_le_bytes());
-        for v in [lat, lon, alt, self.height_mm as i32] {
+        for v in [lat, lon, alt, (self.height_mm + self.height_error_mm) as i32] {
             payload.extend(v.to_le_bytes());
         }
-        for v in [velocity[1], velocity[0], 0.0] {
+        for v in [velocity[1], velocity[0], -self.climbs] {
             payload.extend(((v * 100.0) as i16).to_le_bytes());
         }
         payload.extend([0; 2]);
@@ -284,8 +317,14 @@ impl Vehicle {
         let metres = |mm: f64| (mm / 1000.0) as f32;
         let (place, velocity) = self.told();
         let north = if self.broken { f32::NAN } else { metres(place.north_mm) };
-        let numbers =
-            [north, metres(place.east_mm), -metres(self.height_mm), velocity[1] as f32, velocity[0] as f32, 0.0];
+        let numbers = [
+            north,
+            metres(place.east_mm),
+            -metres(self.height_mm + self.height_error_mm),
+            velocity[1] as f32,
+            velocity[0] as f32,
+            -self.climbs as f32,
+        ];
         let mut payload = self.boot_ms.to_le_bytes().to_vec();
         numbers.iter().for_each(|v| payload.extend(v.to_le_bytes()));
         self.frame(32, &payload)
@@ -382,7 +421,8 @@ impl Vehicle {
             }
             (mav_cmd::NAV_TAKEOFF, Firmware::Px4) => {
                 assert!(params[4].is_nan() && params[5].is_nan());
-                self.target_mm = Some(f64::from(params[6]) * 1000.0 - f64::from(self.mission.plane.alt_mm));
+                self.target_mm =
+                    Some(f64::from(params[6]) * 1000.0 - f64::from(self.mission.plane.alt_mm) - self.home_mm);
                 self.custom_mode = (2 << 24) | (4 << 16);
                 0
             }
@@ -420,6 +460,8 @@ impl Vehicle {
         };
         self.setpoints.push(setpoint);
         if self.is_guided() {
+            // Setpoints take over from the takeoff.
+            (self.target_mm, self.climb) = (None, f64::from(setpoint.climb));
             self.asked = setpoint.velocity.map(f64::from);
             if self.acceleration_mps2.is_none() {
                 self.velocity = self.asked;

@@ -7,19 +7,16 @@ use std::io::{Read as _, Write as _};
 use std::net::{TcpListener, TcpStream, UdpSocket};
 use std::time::Duration;
 
-/// No test waits this long unless something is broken.
-const PATIENCE: Duration = Duration::from_secs(20);
-
 fn open(text: &str) -> Connection {
     Connection::open(&text.parse().expect("a connection string")).unwrap_or_else(|e| panic!("{text}: {e}"))
 }
 
-/// The next thing that happens on it.
+/// The next thing that happens on it, whenever that is.
 fn next(connection: &mut Connection, buffer: &mut [u8]) -> Received {
-    let started = std::time::Instant::now();
     loop {
         match connection.recv(buffer).expect("a sound socket") {
-            Received::Nothing if started.elapsed() < PATIENCE => {
+            Received::Nothing => {
+                // A link that is being connected again has nothing to watch.
                 let watched: Vec<_> = connection.watch().into_iter().collect();
                 wait(&watched, Duration::from_millis(50)).unwrap();
             }
@@ -60,9 +57,6 @@ fn a_listener_answers_the_last_peer_that_was_confirmed() {
     assert_eq!(ours.source(), Source::Datagrams);
 
     let [autopilot, stranger] = [(), ()].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap());
-    for socket in [&autopilot, &stranger] {
-        socket.set_read_timeout(Some(PATIENCE)).unwrap();
-    }
     assert_eq!(ours.send(frame(1).bytes()).unwrap(), Sent::NoPeer);
 
     // The autopilot's frame is believed; then a stranger sends what is not.
@@ -90,7 +84,6 @@ fn a_listener_answers_the_last_peer_that_was_confirmed() {
 #[test]
 fn a_talker_talks_to_one_address_and_hears_only_that() {
     let there = UdpSocket::bind("127.0.0.1:0").unwrap();
-    there.set_read_timeout(Some(PATIENCE)).unwrap();
     let mut ours = open(&format!("udpout:{}", there.local_addr().unwrap()));
     assert_eq!(ours.listens_on(), None);
     assert_eq!(ours.send(frame(1).bytes()).unwrap(), Sent::Yes);

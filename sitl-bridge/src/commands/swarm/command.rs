@@ -5,6 +5,7 @@ use super::shared::SharedArgs;
 use super::simulated::SimulatedArgs;
 use crate::commands::actor_file::flight_ready;
 use crate::commands::console::stop_flag;
+use crate::outlet::say;
 use crate::simulation::FleetKind;
 use crate::tlog::flight_folder;
 use miette::{IntoDiagnostic as _, Result, WrapErr as _};
@@ -42,11 +43,11 @@ impl Swarm {
         if let Some(folder) = &mut self.shared.tlog {
             let fresh = flight_folder(folder).into_diagnostic().wrap_err("the recordings have no folder")?;
             if fresh != *folder {
-                eprintln!(
+                say(&format!(
                     "{} has recordings, which are kept: those of this flight go to {}",
                     folder.display(),
                     fresh.display()
-                );
+                ));
             }
             *folder = fresh;
         }

@@ -9,6 +9,7 @@ use crate::connection::{Address, Connection};
 use crate::mission::PoiMap;
 use crate::node::run::{Links, NodeEvent, RunControl, run};
 use crate::node::{Counters, Node, Settings, gate_limits};
+use crate::outlet::say;
 use crate::status_view::{StatusView, ViewMode};
 use crate::swarm_link::{SwarmAddress, SwarmSocket, system_of};
 use firmware_core::actor::Actor;
@@ -74,12 +75,13 @@ impl RealArgs {
         let (autopilot_signing, swarm_signing) = shared.signing.links()?;
         // Without --swarm the link does not leave this computer.
         if let Some(text) = shared.signing.keyless_warning().filter(|_| self.swarm.is_some()) {
-            eprintln!("{text}");
+            say(text);
         }
         let base = if self.simulated { Limits::simulation() } else { Limits::default() };
         let mut nodes = Vec::new();
         for (i, links) in self.links(shared)?.into_iter().enumerate() {
             let id = self.first_id + i as u16;
+            mission.layers.check(id).into_diagnostic()?;
             let settings = Settings {
                 vehicle_system: self.vehicle_of(i, id)?,
                 pois: Arc::clone(&pois),
@@ -96,8 +98,10 @@ impl RealArgs {
                 ..Settings::new(id, actor, Arc::clone(&mission))
             };
             let settings = Settings { system: self.system.unwrap_or(settings.system), ..settings };
-            eprintln!("UAV {id}: {}", links.autopilot.describe());
-            nodes.push((Node::new(settings, shared.signing.session(Some(id))?).into_diagnostic()?, links));
+            say(&format!("UAV {id}: {}", links.autopilot.describe()));
+            let mut node = Node::new(settings, shared.signing.session(Some(id))?).into_diagnostic()?;
+            node.start_together(shared.count);
+            nodes.push((node, links));
         }
         let console = Console::default();
         let (events, received) = channel();
@@ -139,7 +143,7 @@ impl RealArgs {
                 .try_for_each(|thread| thread.join().unwrap_or_else(|_| Err(std::io::Error::other("a node panicked"))))
         });
         view.finish();
-        eprintln!("stopped: {}", parting(airborne.load(Ordering::Relaxed), self.land_on_exit));
+        say(&format!("stopped: {}", parting(airborne.load(Ordering::Relaxed), self.land_on_exit)));
         if shared.json {
             println!("{}", counters.to_json(shared.count));
         }
