@@ -10,6 +10,9 @@ STREAM_GAP_MS = 500
 """Setpoints must come faster than 2 Hz."""
 
 
+_OFFBOARD_LOSS = {0: "POSCTL", 1: "ALTCTL", 2: "STABILIZED", 3: "RTL", 4: "LAND"}
+
+
 def _mode(main: int, sub: int = 0) -> int:
     return main << 16 | sub << 24
 
@@ -37,7 +40,7 @@ class Px4(Autopilot):
         "NAV_DLL_ACT": 0.0,
         "MPC_XY_VEL_MAX": 12.0,
         "MPC_ACC_HOR": 3.0,
-        "RTL_RETURN_ALT": 60.0,
+        "RTL_RETURN_ALT": 30.0,
         "GF_ACTION": 2.0,
         "MIS_TAKEOFF_ALT": 2.5,
     }
@@ -53,8 +56,8 @@ class Px4(Autopilot):
         return self.parameters["COM_OF_LOSS_T"] * 1000.0
 
     def on_setpoint_timeout(self) -> None:
-        """Leaves OFFBOARD as COM_OBL_RC_ACT says; modes for a pilot end in hold, since nobody is at the sticks."""
-        mode = {3: "RTL", 4: "LAND"}.get(int(self.parameters["COM_OBL_RC_ACT"]), self.HOLD_MODE)
+        """Leaves OFFBOARD as COM_OBL_RC_ACT says: by default for POSCTL, as was seen without a remote control too."""
+        mode = _OFFBOARD_LOSS.get(int(self.parameters["COM_OBL_RC_ACT"]), self.HOLD_MODE)
         self.send_text(SEVERITY_CRITICAL, f"Failsafe: no offboard signal, {mode}")
         timed_out, stopped = self._timed_out, self._stopped
         self.change_mode(self._named(mode), "failsafe")

@@ -69,7 +69,16 @@ class SetpointTimeout(unittest.TestCase):
         timeout, stopped = self.silence(flight, switch)
         self.assertEqual(timeout["silent_ms"], 1200)
         self.assertLess(stopped["flown_m"], 16)
-        self.assertEqual(flight.named("mode")[-1]["mode"], "LOITER")
+        self.assertEqual(flight.named("mode")[-1]["mode"], "POSCTL")
+
+    def test_px4_changes_to_the_mode_it_is_told(self):
+        for number, mode in ((3, "RTL"), (4, "LAND"), (5, "LOITER")):
+            switch = Switch()
+            flight = Flight(Controller(switch, dialect="px4"), parameters={"COM_OBL_RC_ACT": number})
+            flight.run_until(lambda flight=flight: flight.fleet.vehicles[0].autopilot.mode.name == "OFFBOARD")
+            switch.now = None
+            flight.run_for(3)
+            self.assertEqual(flight.named("mode")[-1]["mode"], mode)
 
     def test_in_ideal_flight_too(self):
         switch = Switch()

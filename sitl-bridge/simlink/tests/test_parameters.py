@@ -39,7 +39,7 @@ class Parameters(unittest.TestCase):
             answer = told(flight, name)
             (number,) = struct.unpack("<i", struct.pack("<f", answer.param_value))
             self.assertEqual((number, answer.param_type), (value, mavlink.MAV_PARAM_TYPE_INT32), name)
-        for name, value in (("COM_OF_LOSS_T", 1), ("RTL_RETURN_ALT", 60)):
+        for name, value in (("COM_OF_LOSS_T", 1), ("RTL_RETURN_ALT", 30)):
             answer = told(flight, name)
             self.assertEqual((answer.param_value, answer.param_type), (value, mavlink.MAV_PARAM_TYPE_REAL32), name)
 

@@ -72,6 +72,11 @@ impl Firmware {
         }
     }
 
+    /// Whether a `custom_mode` is one of PX4's AUTO modes.
+    pub(super) const fn is_automatic(self, custom_mode: u32) -> bool {
+        matches!((self, Px4::of(custom_mode)), (Self::Px4, Px4 { main: Px4::AUTO, .. }))
+    }
+
     /// Whether a `custom_mode` is PX4's AUTO.TAKEOFF.
     pub(super) const fn is_taking_off(self, custom_mode: u32) -> bool {
         matches!((self, Px4::of(custom_mode)), (Self::Px4, Px4 { main: Px4::AUTO, sub: 2 }))

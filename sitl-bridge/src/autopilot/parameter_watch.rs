@@ -18,8 +18,8 @@ pub struct Reliance {
 pub(super) struct ParameterWatch {
     pub reliance: Reliance,
     pub parameters: Parameters,
-    /// Warnings that were told, by the rule's first name.
-    pub told: BTreeMap<&'static str, String>,
+    /// Values that were warned of, by the rule's first name; `None` where the autopilot does not tell it.
+    pub told: BTreeMap<&'static str, Option<f64>>,
     /// The strict check of this start was passed.
     pub passed: bool,
 }

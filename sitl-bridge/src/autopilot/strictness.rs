@@ -30,10 +30,10 @@ impl Autopilot {
 
     /// Tells what the parameters cost, each time it is another thing.
     pub(super) fn report_parameters(&mut self, notices: &mut Vec<Notice>) {
-        for (name, text) in self.findings() {
-            if self.watch.told.get(name) != Some(&text) {
-                notices.push(Notice::warning(text.clone()));
-                self.watch.told.insert(name, text);
+        for finding in self.findings() {
+            // Once for each value: the height above home in the words is never quite the same.
+            if self.watch.told.insert(finding.name, finding.value) != Some(finding.value) {
+                notices.push(Notice::warning(finding.text));
             }
         }
     }
@@ -46,7 +46,7 @@ impl Autopilot {
         if !self.watch.parameters.is_finished() {
             return StrictCheck::Wait;
         }
-        let findings: Vec<String> = self.findings().into_iter().map(|(_, text)| text).collect();
+        let findings: Vec<String> = self.findings().into_iter().map(|finding| finding.text).collect();
         if !findings.is_empty() {
             return StrictCheck::Refuse(format!("--strict: {}", findings.join("; ")));
         }
@@ -65,7 +65,7 @@ impl Autopilot {
     }
 
     /// What the parameters cost, in words; nothing before all had their time to be answered.
-    fn findings(&self) -> Vec<(&'static str, String)> {
+    fn findings(&self) -> Vec<Finding> {
         let Some(firmware) = self.firmware.filter(|_| self.watch.parameters.is_finished()) else { return Vec::new() };
         let home_mm = self.state.odometry.map(|odometry| odometry.alt_mm - odometry.relative_mm);
         let at = Circumstances {
@@ -74,16 +74,27 @@ impl Autopilot {
             layer_m: home_mm.map(|home_mm| f64::from(self.bring_up.layer_mm() - home_mm) / 1000.0),
             others: self.watch.parameters.values(),
         };
-        rules(firmware).iter().filter_map(|rule| Some((rule.names[0].0, finding(rule, &at)?))).collect()
+        rules(firmware).iter().filter_map(|rule| finding(rule, &at)).collect()
     }
 }
 
-fn finding(rule: &Rule, at: &Circumstances<'_>) -> Option<String> {
+/// What a parameter costs.
+struct Finding {
+    /// The rule's first name.
+    name: &'static str,
+    /// The value that was told.
+    value: Option<f64>,
+    text: String,
+}
+
+fn finding(rule: &Rule, at: &Circumstances<'_>) -> Option<Finding> {
+    let first = rule.names[0].0;
     let Some((name, told, value)) = rule.value(at.others) else {
-        let unknown = rule.unknown?;
-        return Some(format!("the autopilot does not tell its {}: unknown is {unknown}", rule.names[0].0));
+        let text = format!("the autopilot does not tell its {first}: unknown is {}", rule.unknown?);
+        return Some(Finding { name: first, value: None, text });
     };
     // As a float of 32 bits it was told.
-    let told = (told * 1e4).round() / 1e4;
-    Some(format!("{name} is {told}: {}", (rule.cost)(value, at)?))
+    let rounded = (told * 1e4).round() / 1e4;
+    let text = format!("{name} is {rounded}: {}", (rule.cost)(value, at)?);
+    Some(Finding { name: first, value: Some(told), text })
 }

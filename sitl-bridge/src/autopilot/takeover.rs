@@ -56,8 +56,15 @@ impl Autopilot {
                 _ => control.ours = control.climbs,
             },
             Mode::Other(custom_mode) => {
+                // When setpoints cease PX4 changes by itself to what its pilot set, once; in a manual mode it is
+                // the pilot's.
+                let was_guided = before.is_some_and(|(mode, _)| firmware.mode(mode) == Mode::Guided);
+                let by_itself = was_guided && !streams && firmware.is_automatic(custom_mode);
+                let stays = control.ours && before.is_some_and(|(mode, _)| mode == custom_mode);
+                let stays = stays && firmware.is_automatic(custom_mode);
                 // PX4 is armed in the mode it was found in, and changes it by the takeoff.
-                control.ours = control.armed_here && self.bring_up.waits_on_ground(custom_mode, &self.state);
+                let waits = control.armed_here && self.bring_up.waits_on_ground(custom_mode, &self.state);
+                control.ours = by_itself || stays || waits;
                 control.climbs &= still_comes;
             }
         }

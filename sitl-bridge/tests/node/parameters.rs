@@ -102,6 +102,16 @@ fn each_value_that_costs_something_is_told_once_and_does_not_hinder_the_flight()
 }
 
 #[test]
+fn a_height_above_home_that_wavers_is_told_once() {
+    let mut flight = with(ARDUPILOT, &[("RTL_ALT_M", 15.0)], false);
+    for tick in 0..150 {
+        flight.vehicle.home_mm = if tick % 10 < 5 { 900.0 } else { 0.0 };
+        flight.tick();
+    }
+    assert_eq!(warnings(&flight).len(), 1, "{:?}", warnings(&flight));
+}
+
+#[test]
 fn a_strict_start_is_refused_with_the_same_words() {
     for &(firmware, values, words) in COSTS {
         let mut flight = with(firmware, values, true);

@@ -87,6 +87,18 @@ fn px4_holding_by_itself_takes_orders_and_a_pilots_hold_does_not() {
     flight.node.command(OperatorCommand::Land);
     flight.ticks(10);
     assert_eq!(flight.vehicle.custom_mode, PX4_LAND, "{:?}", flight.words());
+    // Or returns by itself, as COM_OBL_RC_ACT may say; but not where it waits for a pilot at the sticks.
+    for (by_itself, is_ours) in [((5 << 24) | (4 << 16), true), (3 << 16, false)] {
+        let mut flight = Stage::Flight.reach(Firmware::Px4).unwrap();
+        flight.vehicle.offboard_loss_ms = None;
+        flight.node.command(OperatorCommand::Release);
+        flight.ticks(40);
+        flight.vehicle.custom_mode = by_itself;
+        flight.ticks(10);
+        flight.node.command(OperatorCommand::Land);
+        flight.ticks(10);
+        assert_eq!(flight.vehicle.custom_mode, if is_ours { PX4_LAND } else { by_itself }, "{:?}", flight.words());
+    }
     // The pilot holds while the node streams.
     let mut flight = Stage::Flight.reach(Firmware::Px4).unwrap();
     flight.vehicle.custom_mode = HOLD;
