@@ -4,7 +4,7 @@
 /// GUID_TIMEOUT, s.
 pub(crate) const STANDING_S: f64 = 3.0;
 /// By then it may be so many times as fast as the greatest speed of the scenario.
-pub(crate) const STANDING_SPEED: f64 = 1.24;
+pub(crate) const STANDING_SPEED: f64 = 1.1;
 /// The autopilot's own braking after its timeout, m/s².
 const BRAKING_MPS2: f64 = 2.5;
 /// Velocities that are tried.

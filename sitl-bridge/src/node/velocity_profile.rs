@@ -121,8 +121,8 @@ mod tests {
         // 4 u/step² east from rest: 5 m/s after 2 s at 2.5 m/s².
         let profile = VelocityProfile::new(action(0), u32::MAX - 499, Vec2::default(), [0.0, 0.0], SCALE);
         let at = |ms: u32| profile.at((u32::MAX - 499).wrapping_add(ms), FeedForward::Ramp);
-        assert_eq!(at(0), (Vector::new(0, 0), Vector::new(2067, 0)));
-        assert_eq!(at(1000), (Vector::new(2500, 0), Vector::new(1233, 0)));
+        assert_eq!(at(0), (Vector::new(0, 0), Vector::new(1833, 0)));
+        assert_eq!(at(1000), (Vector::new(2500, 0), Vector::new(1000, 0)));
         assert_eq!(at(2000), (Vector::new(5000, 0), Vector::new(0, 0)));
         assert_eq!(at(9000), (Vector::new(5000, 0), Vector::new(0, 0)));
     }

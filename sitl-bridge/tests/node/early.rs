@@ -123,7 +123,7 @@ fn in_the_first_step_it_waits_for_the_deadline() {
     // Whoever joins does not know who is there; those who were there before decide without it.
     let mut two = vec![uav(1, 100.0, |_| {}), uav(2, 104.0, |s| s.take_off = false)];
     stay(&mut two);
-    fly(&mut two, 300, |_, _, _| false);
+    fly(&mut two, 120, |_, _, _| false);
     assert!(two[0].decisions.len() > 3 && two[1].decisions.is_empty(), "{:?}", two[0].words());
     clear(&mut two);
     two[1].node.start();
