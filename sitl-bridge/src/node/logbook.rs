@@ -31,6 +31,7 @@ impl Settings<'_> {
             .with("encode_ms", self.timing.encode_ms)
             .with("decide_ms", self.timing.decide_ms)
             .with("telemetry_ms", self.timing.telemetry_ms)
+            .with("lead_ms", self.timing.lead_ms)
             .with("beacon_ms", self.timing.beacon_ms.unwrap_or(0))
     }
 }

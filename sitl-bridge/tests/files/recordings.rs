@@ -93,7 +93,7 @@ impl Recorded {
         let mut settings = settings(Actor::load(bytes).unwrap(), &mission, true);
         if !with_notes {
             // As earlier versions flew.
-            settings.timing.pace = Pace::Deadlines;
+            (settings.timing.pace, settings.timing.lead_ms) = (Pace::Deadlines, 0);
         }
         let mut tlog = TlogWriter::to(memory).unwrap();
         if with_notes {
