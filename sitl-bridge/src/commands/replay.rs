@@ -92,6 +92,7 @@ impl ReplayTlog {
             limits: gate_limits(recorded.limits, &mission),
             feed_forward,
             take_off: info.took_off,
+            wait_for: recorded.wait_for,
             rate_hz: recorded.rate_hz,
             source: Source::Datagrams,
             // Only what was believed is in the log.

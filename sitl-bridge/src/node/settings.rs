@@ -49,6 +49,9 @@ pub struct Settings<'a> {
     pub feed_forward: FeedForward,
     /// Whether the node arms the vehicle and takes off by itself.
     pub take_off: bool,
+    /// So many UAVs start together, this one included: none moves sideways before all of them are in the air.
+    /// With one each flies as soon as it is on its layer.
+    pub wait_for: u16,
     /// Rate at which positions are requested, Hz.
     pub rate_hz: f64,
     /// Whether the autopilot's link carries datagrams or a stream.
@@ -79,6 +82,7 @@ impl<'a> Settings<'a> {
             limits: gate_limits(Limits::default(), &mission),
             feed_forward: FeedForward::Ramp,
             take_off: false,
+            wait_for: 1,
             rate_hz: 5.0,
             source: Source::Datagrams,
             autopilot_signing: LinkSigning::off(),

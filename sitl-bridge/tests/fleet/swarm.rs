@@ -69,6 +69,7 @@ impl Swarm {
                     limits: gate_limits(plan.limits, &mission),
                     feed_forward: FeedForward::Ramp,
                     take_off: true,
+                    wait_for: 1,
                     rate_hz: 5.0,
                     source: links.autopilot.source(),
                     autopilot_signing: LinkSigning::off(),

@@ -12,6 +12,8 @@ use sitl_bridge::mission::{Mission, Place};
 pub struct Setpoint {
     /// Vehicle's clock when it arrived, ms.
     pub at_ms: u32,
+    /// Time in it: vehicle's clock as the node last heard it, ms.
+    pub boot_ms: u32,
     /// East and north, m/s.
     pub velocity: [f32; 2],
     /// Up, m/s.
@@ -197,6 +199,11 @@ impl Vehicle {
         self.ticks.is_multiple_of(5)
     }
 
+    /// Whether a setpoint has answered what it told last.
+    pub fn is_answered(&self) -> bool {
+        self.setpoints.last().is_some_and(|setpoint| setpoint.boot_ms == self.boot_ms)
+    }
+
     /// Horizontal, m/s.
     pub fn speed(&self) -> f64 {
         self.velocity[0].hypot(self.velocity[1])
@@ -348,6 +355,7 @@ impl Vehicle {
         self.streamed_ms = Some(self.boot_ms);
         let setpoint = Setpoint {
             at_ms: self.boot_ms,
+            boot_ms: u32::from_le_bytes(payload[..4].try_into().unwrap()),
             velocity: [numbers[4], numbers[3]],
             climb: -numbers[5],
             acceleration: [numbers[7], numbers[6]],
