@@ -5,7 +5,7 @@ from simlink.modes import Behaviour, Mode
 
 
 class ArduPilot(Autopilot):
-    """Modes, timeouts and failsafes of ArduCopter 4.7 with FS_GCS_ENABLE = 1."""
+    """Modes, timeouts and failsafes of ArduCopter 4.7."""
 
     MODES = (
         Mode("STABILIZE", 0, Behaviour.LEVEL, needs_position=False),
@@ -20,12 +20,18 @@ class ArduPilot(Autopilot):
     INITIAL_MODE, HOLD_MODE, GUIDED_MODE = "STABILIZE", "LOITER", "GUIDED"
     PARAMETERS = {
         "MAV_SYSID": 1.0,
+        "MAV_GCS_SYSID": 255.0,
+        "MAV_GCS_SYSID_HI": 0.0,
         "GUID_TIMEOUT": 3.0,
-        "FS_GCS_ENABLE": 1.0,
+        "FS_GCS_ENABLE": 0.0,
         "FS_GCS_TIMEOUT": 5.0,
         "WPNAV_ACCEL": 250.0,
         "WPNAV_SPEED": 1000.0,
-        "RTL_ALT": 1500.0,
+        "RTL_ALT_M": 15.0,
+        "FENCE_ENABLE": 0.0,
+        "FENCE_ACTION": 1.0,
+        "FENCE_TYPE": 7.0,
+        "FENCE_ALT_MAX": 100.0,
     }
 
     def setpoint_timeout_ms(self) -> float:
@@ -36,9 +42,18 @@ class ArduPilot(Autopilot):
         """Stays in GUIDED and stops."""
         self.flight.stop()
 
+    def is_ground_station(self, system: int, kind: int) -> bool:
+        """By its system id alone: MAV_GCS_SYSID, to MAV_GCS_SYSID_HI."""
+        first, last = self.parameters["MAV_GCS_SYSID"], self.parameters["MAV_GCS_SYSID_HI"]
+        return first <= system <= max(first, last)
+
     def heartbeat_timeout_ms(self) -> float | None:
         """FS_GCS_TIMEOUT, when FS_GCS_ENABLE is set."""
         return self.parameters["FS_GCS_TIMEOUT"] * 1000.0 if self.parameters["FS_GCS_ENABLE"] else None
+
+    def return_height_m(self) -> float:
+        """RTL_ALT_M."""
+        return self.parameters["RTL_ALT_M"]
 
     def take_off(self, up: float) -> bool:
         """Only in GUIDED."""

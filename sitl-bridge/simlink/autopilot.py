@@ -31,6 +31,9 @@ class Autopilot:
     HOLD_MODE: str
     GUIDED_MODE: str
     PARAMETERS: dict[str, float]
+    """Names and defaults."""
+    INTEGERS: frozenset[str] = frozenset()
+    """Parameters whose value is sent as the bytes of an integer."""
 
     def __init__(self, body: Body, emit: Emit, ekf_ready_ms: int) -> None:
         self.body = body
@@ -51,7 +54,9 @@ class Autopilot:
         self.armed = False
         self.crashed = False
         self.home: tuple[float, float, float] | None = None
-        self.controller_heartbeat_ms: int | None = None
+        self.station_heartbeat_ms: int | None = None
+        self.controller_heard = False
+        """A HEARTBEAT of somebody who is no autopilot arrived."""
         self.gcs_failsafe = False
         self.setpoint_ms: int | None = None
         self._stream_since_ms = 0
@@ -76,8 +81,16 @@ class Autopilot:
         """What the autopilot does after a setpoint timeout."""
         raise NotImplementedError
 
+    def is_ground_station(self, system: int, kind: int) -> bool:
+        """Whether the HEARTBEATs of this system and MAV_TYPE are the ground station's."""
+        raise NotImplementedError
+
+    def return_height_m(self) -> float:
+        """Height above home to which a return climbs first, m."""
+        raise NotImplementedError
+
     def heartbeat_timeout_ms(self) -> float | None:
-        """Without a HEARTBEAT of the controller for this long the GCS failsafe acts, ms; None when it is off."""
+        """Without a HEARTBEAT of the ground station for this long its failsafe acts, ms; None when it is off."""
         raise NotImplementedError
 
     # State
@@ -135,6 +148,7 @@ class Autopilot:
         self.setpoint_ms = None
         self._timed_out = False
         self._stopped = True
+        self.flight.return_height_m = self.return_height_m()
         self.flight.enter(mode.behaviour)
         self._emit("mode", mode=mode.name, why=why)
         return True
@@ -174,8 +188,8 @@ class Autopilot:
         return True
 
     def heartbeat(self) -> None:
-        """A HEARTBEAT of the controller arrived."""
-        self.controller_heartbeat_ms = self.t_ms
+        """A HEARTBEAT of the ground station arrived."""
+        self.station_heartbeat_ms = self.t_ms
         if self.gcs_failsafe:
             self.gcs_failsafe = False
             self.send_text(SEVERITY_WARNING, "GCS Failsafe Cleared")
@@ -255,7 +269,7 @@ class Autopilot:
         if not self.armed:
             return
         limit = self.heartbeat_timeout_ms()
-        seen = self.controller_heartbeat_ms
+        seen = self.station_heartbeat_ms
         if limit is not None and seen is not None and not self.gcs_failsafe and self.t_ms - seen > limit:
             self.gcs_failsafe = True
             if self.airborne and self.mode.behaviour not in (Behaviour.RETURN, Behaviour.LAND):

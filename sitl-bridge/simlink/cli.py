@@ -127,10 +127,12 @@ def _raw(options: argparse.Namespace) -> dict[str, Any]:
         "wind": list(options.wind),
         "gps_noise_m": options.gps_noise,
         "guided_timeout_s": options.guided_timeout,
+        "parameters": dict(options.parameter),
         "seed": options.seed,
         "signing_key_file": options.key_file,
         "faults": faults,
         "extra": options.extra,
+        "shared_ports": options.shared_ports,
     }
     return {name: value for name, value in raw.items() if value is not None}
 
@@ -146,6 +148,14 @@ def _numbers(count: int, example: str):
         return numbers
 
     return read
+
+
+def _parameter(text: str) -> tuple[str, float]:
+    name, _, value = text.partition("=")
+    try:
+        return name, float(value)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"a name and a number such as FS_GCS_ENABLE=1, not {text!r}") from None
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -182,6 +192,14 @@ def _parser() -> argparse.ArgumentParser:
     add("--wind", type=_numbers(2, "4,-1"), default=(0.0, 0.0), metavar="E,N", help="m/s towards east and north")
     add("--gps-noise", type=float, default=0.0, metavar="M", help="standard deviation of the position (0)")
     add("--guided-timeout", type=float, metavar="S", help="stops after so long without setpoints (ardupilot 3, px4 1)")
+    add(
+        "--parameter",
+        action="append",
+        default=[],
+        type=_parameter,
+        metavar="NAME=VALUE",
+        help="a parameter of the autopilots, such as FS_GCS_ENABLE=1; may be repeated",
+    )
     add("--seed", type=int, default=1, help="of the noise (1)")
     add("--key-file", metavar="FILE", help="sign with this key, and take only what is signed with it")
     add("--fault", action="append", default=[], metavar="JSON", help="something that goes wrong; may be repeated")
@@ -189,8 +207,9 @@ def _parser() -> argparse.ArgumentParser:
         "--extra",
         action="append",
         default=[],
-        choices=extras.KINDS,
-        help="somebody else on every vehicle's port; may be repeated",
+        choices=extras.NAMES,
+        help="somebody else on every vehicle's port, or one more battery; may be repeated",
     )
+    add("--shared-ports", action="store_true", help="every vehicle on every port, as behind one MAVProxy")
     add("--json", action="store_true", help="events as JSON lines on stdout")
     return parser

@@ -5,7 +5,8 @@ import time
 from dataclasses import dataclass, field
 from typing import Any
 
-from simlink import extras
+from simlink import batteries, extras
+from simlink.batteries import OtherBattery
 from simlink.faults import Fault, FaultError
 from simlink.geodesy import Plane
 from simlink.ideal import Scale
@@ -49,6 +50,8 @@ class VehicleConfig:
     lon: float = Place.lon
     alt: float = Place.alt
     start_u: tuple[float, float] | None = None
+    parameters: dict[str, float] = field(default_factory=dict)
+    """Values of the autopilot's parameters; the others have their defaults."""
 
 
 @dataclass(frozen=True)
@@ -71,12 +74,18 @@ class FleetConfig:
     gps_noise_m: float = 0.0
     seed: int = 1
     battery: Battery = field(default_factory=Battery)
+    batteries: tuple[OtherBattery, ...] = ()
+    """Every vehicle's batteries besides the first."""
     signing_key_file: str | None = None
     faults: tuple[Fault, ...] = ()
     extra: tuple[str, ...] = ()
     """Who else is on every vehicle's port: kinds of `extras.KINDS`."""
+    shared_ports: bool = False
+    """Every vehicle is on every port, and hears what is sent to any, as behind one MAVProxy."""
     guided_timeout_s: float | None = None
     """None: the autopilot's own, 3 s for ArduPilot and 1 s for PX4."""
+    parameters: dict[str, float] = field(default_factory=dict)
+    """Values of all autopilots' parameters; a vehicle's own count more."""
     ekf_ready_ms: int = 5_000
     boot_ms: int = 0
     unix_ms: int = 0
@@ -136,10 +145,13 @@ def read(raw: Any) -> FleetConfig:
             battery_fields.take("percent", _NUMBER, Battery.percent),
             battery_fields.positive("minutes", None),
         ),
+        batteries=tuple(_other_battery(entry) for entry in top.take("batteries", list, [])),
         signing_key_file=top.take("signing_key_file", str, None),
         faults=faults,
         extra=tuple(top.take("extra", list, [])),
+        shared_ports=top.take("shared_ports", bool, defaults.shared_ports),
         guided_timeout_s=top.take("guided_timeout_s", _NUMBER, None),
+        parameters=_parameters(top, "the fleet"),
         ekf_ready_ms=round(1000 * top.take("ekf_ready_s", _NUMBER, 5)),
         boot_ms=top.take("boot_ms", int, 0),
         unix_ms=top.take("unix_ms", int, None) or int(time.time() * 1000),
@@ -165,8 +177,8 @@ def check(config: FleetConfig) -> None:
     if config.dynamics == "ideal" and (any(config.wind) or config.gps_noise_m):
         raise ConfigError("ideal dynamics know no wind and no noise; set both to 0 or take dynamics point")
     for kind in config.extra:
-        if kind not in extras.KINDS:
-            raise ConfigError(f"there is no extra {kind!r}; known: {', '.join(extras.KINDS)}")
+        if kind not in extras.NAMES:
+            raise ConfigError(f"there is no extra {kind!r}; known: {', '.join(extras.NAMES)}")
     if config.gps_noise_m < 0:
         raise ConfigError("gps_noise_m is negative")
     ids = {vehicle.id for vehicle in config.vehicles}
@@ -189,6 +201,7 @@ def _vehicle(raw: Any, origin: Place, start_u: Any) -> VehicleConfig:
         lon=fields.take("lon", _NUMBER, origin.lon),
         alt=fields.take("alt", _NUMBER, origin.alt),
         start_u=None if start is None else _pair(start, "start_u"),
+        parameters=_parameters(fields, "a vehicle"),
     )
     fields.done()
     if not 1 <= vehicle.system <= 254:
@@ -196,6 +209,27 @@ def _vehicle(raw: Any, origin: Place, start_u: Any) -> VehicleConfig:
     if not 1 <= vehicle.port <= 65_535:
         raise ConfigError(f"vehicle {vehicle.id}: the port is 1 to 65535, not {vehicle.port}")
     return vehicle
+
+
+def _other_battery(raw: Any) -> OtherBattery:
+    fields = _Fields("a battery", raw)
+    battery = OtherBattery(
+        fields.take("id", int), fields.choice("function", tuple(batteries.FUNCTIONS)), fields.take("percent", _NUMBER)
+    )
+    fields.done()
+    if not 1 <= battery.id <= 255:
+        raise ConfigError(f"the id of another battery is 1 to 255, not {battery.id}")
+    if not 0 <= battery.percent <= 100:
+        raise ConfigError(f"battery {battery.id}: percent is 0 to 100, not {battery.percent}")
+    return battery
+
+
+def _parameters(fields: "_Fields", what: str) -> dict[str, float]:
+    values = fields.take("parameters", dict, {})
+    for name, value in values.items():
+        if not _is_number(value):
+            raise ConfigError(f"{what}: parameter {name} is a number, not {value!r}")
+    return values
 
 
 def _place(raw: dict, what: str) -> Place:

@@ -5,6 +5,7 @@ Seen with `sim_vehicle.py --count 3`: every vehicle is on every port.
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from simlink import batteries
 from simlink.endpoint import Endpoint
 
 OTHER_SYSTEM = 253
@@ -12,6 +13,10 @@ OTHER_SYSTEM = 253
 
 KINDS = ("vehicle", "camera", "companion")
 """Another ArduCopter in GUIDED and in the air; a camera and a companion computer with the vehicle's own system."""
+
+
+NAMES = (*KINDS, *batteries.EXTRAS)
+"""All that `--extra` knows."""
 
 
 class Extra:

@@ -70,7 +70,9 @@ class Fleet:
     def tick(self) -> None:
         """Advances by one tick and sends the messages that are due."""
         self.t_ms += self.config.tick_ms
+        host_ms = self._host_ms()
         for vehicle in self.vehicles:
+            vehicle.host_ms = host_ms
             vehicle.advance(self.t_ms)
         if self.step != self._step:
             self._step = self.step
@@ -80,7 +82,16 @@ class Fleet:
         self._refresh_signing_clocks()
         for index, vehicle in enumerate(self.vehicles):
             for frame in vehicle.telemetry():
-                self._hub.send(index, frame)
+                self._send(index, frame)
+
+    def _host_ms(self) -> int:
+        """The host's clock since the fleet began; in lock-step, where the host waits, the fleet's own."""
+        return self.t_ms if self.config.lockstep else round((self._hub.now() - self._started) * 1000.0)
+
+    def _send(self, index: int, frame: bytes) -> None:
+        """Sends what the vehicle at `index` says: to its own port or, where ports are shared, to all."""
+        for port in range(len(self.vehicles)) if self.config.shared_ports else (index,):
+            self._hub.send(port, frame)
 
     def _report_truth(self) -> None:
         if self._step < 0:
@@ -168,8 +179,9 @@ class Fleet:
         if index == CONTROL:
             self._handle_control(datagram)
             return
-        for frame in self.vehicles[index].receive(datagram or b""):
-            self._hub.send(index, frame)
+        for hearer in range(len(self.vehicles)) if self.config.shared_ports else (index,):
+            for frame in self.vehicles[hearer].receive(datagram or b""):
+                self._send(hearer, frame)
 
     # Control lines
 

@@ -10,7 +10,6 @@ CLIMB_MPS = 2.5
 SINK_MPS, TOUCHDOWN_MPS, TOUCHDOWN_BELOW_M = 1.5, 0.5, 5.0
 CRUISE_MPS = 5.0
 SPEED_LIMIT_MPS = 10.0
-RETURN_HEIGHT_M = 15.0
 POSITION_GAIN_PER_S = 0.7
 ACCELERATION_BIAS = 0.05
 """m/s²: what an open-loop acceleration is wrong by; nothing corrects it."""
@@ -22,6 +21,8 @@ class Flight:
     def __init__(self, body: Body) -> None:
         self._body = body
         self.grounded = True
+        self.return_height_m = 0.0
+        """Height above home to which a return climbs first."""
         self._behaviour = Behaviour.LEVEL
         self._climb_to: float | None = None
         self._hold: tuple[float, float, float] | None = None
@@ -143,7 +144,7 @@ class Flight:
         east, north, _ = self._hold
         vu = -TOUCHDOWN_MPS if body.height_m < TOUCHDOWN_BELOW_M else -SINK_MPS
         if self._behaviour is Behaviour.RETURN:
-            height = self._home[2] + RETURN_HEIGHT_M
+            height = self._home[2] + self.return_height_m
             self._at_height = self._at_height or body.up >= height - 0.3
             if not self._at_height:
                 vu = min(CLIMB_MPS, height - body.up)

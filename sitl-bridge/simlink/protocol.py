@@ -1,6 +1,7 @@
 """How an autopilot handles received messages: commands, setpoints, parameters."""
 
 import math
+import struct
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
@@ -76,9 +77,10 @@ class Protocol:
         return self._send(telemetry.autopilot_version(self._vehicle))
 
     def _heartbeat(self, message: mavlink.MAVLink_message) -> None:
-        # Another autopilot on the same link is not a controller.
-        if message.autopilot == mavlink.MAV_AUTOPILOT_INVALID or message.type == mavlink.MAV_TYPE_GCS:
-            self._vehicle.autopilot.heartbeat()
+        autopilot = self._vehicle.autopilot
+        autopilot.controller_heard |= message.autopilot == mavlink.MAV_AUTOPILOT_INVALID
+        if autopilot.is_ground_station(message.get_srcSystem(), message.type):
+            autopilot.heartbeat()
 
     def _setpoint(self, message: mavlink.MAVLink_message) -> None:
         autopilot = self._vehicle.autopilot
@@ -172,13 +174,13 @@ class Protocol:
     # Parameters, missions, time
 
     def _param_value(self, name: str) -> None:
-        parameters = self._vehicle.autopilot.parameters
+        autopilot = self._vehicle.autopilot
+        parameters = autopilot.parameters
+        value, kind = parameters[name], mavlink.MAV_PARAM_TYPE_REAL32
+        if name in autopilot.INTEGERS:
+            (value,), kind = struct.unpack("<f", struct.pack("<i", int(value))), mavlink.MAV_PARAM_TYPE_INT32
         index = list(parameters).index(name)
-        self._send(
-            mavlink.MAVLink_param_value_message(
-                name.encode(), parameters[name], mavlink.MAV_PARAM_TYPE_REAL32, len(parameters), index
-            )
-        )
+        self._send(mavlink.MAVLink_param_value_message(name.encode(), value, kind, len(parameters), index))
 
     def _param_list(self, _: mavlink.MAVLink_message) -> None:
         for name in self._vehicle.autopilot.parameters:
@@ -191,9 +193,12 @@ class Protocol:
             self._param_value(name)
 
     def _param_set(self, message: mavlink.MAVLink_message) -> None:
-        name = _name(message.param_id)
-        if name in self._vehicle.autopilot.parameters and math.isfinite(message.param_value):
-            self._vehicle.autopilot.parameters[name] = message.param_value
+        name, value = _name(message.param_id), message.param_value
+        autopilot = self._vehicle.autopilot
+        if name in autopilot.INTEGERS and message.param_type == mavlink.MAV_PARAM_TYPE_INT32:
+            (value,) = struct.unpack("<i", struct.pack("<f", value))
+        if name in autopilot.parameters and math.isfinite(value):
+            autopilot.parameters[name] = float(value)
             self._param_value(name)
 
     def _mission_list(self, message: mavlink.MAVLink_message) -> None:

@@ -4,9 +4,13 @@ from simlink.autopilot import SEVERITY_CRITICAL, Autopilot
 from simlink.modes import Behaviour, Mode
 from simlink.setpoint import Setpoint
 
+MAV_TYPE_GCS = 6
 STREAM_BEFORE_OFFBOARD_MS = 1_000
 STREAM_GAP_MS = 500
 """Setpoints must come faster than 2 Hz."""
+
+
+_OFFBOARD_LOSS = {0: "POSCTL", 1: "ALTCTL", 2: "STABILIZED", 3: "RTL", 4: "LAND"}
 
 
 def _mode(main: int, sub: int = 0) -> int:
@@ -32,23 +36,43 @@ class Px4(Autopilot):
         "MAV_SYS_ID": 1.0,
         "COM_OF_LOSS_T": 1.0,
         "COM_DL_LOSS_T": 10.0,
-        "NAV_DLL_ACT": 2.0,
+        "COM_OBL_RC_ACT": 0.0,
+        "NAV_DLL_ACT": 0.0,
         "MPC_XY_VEL_MAX": 12.0,
         "MPC_ACC_HOR": 3.0,
-        "RTL_RETURN_ALT": 15.0,
+        "RTL_RETURN_ALT": 30.0,
+        "GF_ACTION": 2.0,
         "MIS_TAKEOFF_ALT": 2.5,
     }
+
+    INTEGERS = frozenset({"MAV_SYS_ID", "COM_OBL_RC_ACT", "NAV_DLL_ACT", "GF_ACTION"})
+
+    def return_height_m(self) -> float:
+        """RTL_RETURN_ALT."""
+        return self.parameters["RTL_RETURN_ALT"]
 
     def setpoint_timeout_ms(self) -> float:
         """COM_OF_LOSS_T."""
         return self.parameters["COM_OF_LOSS_T"] * 1000.0
 
     def on_setpoint_timeout(self) -> None:
-        """Leaves OFFBOARD for hold."""
-        self.send_text(SEVERITY_CRITICAL, "Failsafe: no offboard signal, hold")
+        """Leaves OFFBOARD as COM_OBL_RC_ACT says: by default for POSCTL, as was seen without a remote control too."""
+        mode = _OFFBOARD_LOSS.get(int(self.parameters["COM_OBL_RC_ACT"]), self.HOLD_MODE)
+        self.send_text(SEVERITY_CRITICAL, f"Failsafe: no offboard signal, {mode}")
         timed_out, stopped = self._timed_out, self._stopped
-        self.change_mode(self._named(self.HOLD_MODE), "failsafe")
+        self.change_mode(self._named(mode), "failsafe")
         self._timed_out, self._stopped = timed_out, stopped
+
+    def is_ground_station(self, system: int, kind: int) -> bool:
+        """By its type: the loss of an onboard controller is only logged."""
+        return kind == MAV_TYPE_GCS
+
+    def arm(self, force: bool) -> bool:
+        """Not without a ground station, when NAV_DLL_ACT is set."""
+        if self.parameters["NAV_DLL_ACT"] and self.station_heartbeat_ms is None and not force:
+            self.send_text(SEVERITY_CRITICAL, "Preflight Fail: No connection to the GCS")
+            return False
+        return super().arm(force)
 
     def heartbeat_timeout_ms(self) -> float | None:
         """COM_DL_LOSS_T, when NAV_DLL_ACT is set."""

@@ -36,7 +36,7 @@ class StatusLine:
 def summary(fleet: "Fleet") -> str:
     """The fleet in a line."""
     autopilots = [vehicle.autopilot for vehicle in fleet.vehicles]
-    heard = sum(autopilot.controller_heartbeat_ms is not None for autopilot in autopilots)
+    heard = sum(autopilot.controller_heard for autopilot in autopilots)
     parts = [
         f"{heard} of {len(autopilots)} controlled",
         f"{sum(autopilot.armed for autopilot in autopilots)} armed",

@@ -4,6 +4,7 @@ import math
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from simlink.batteries import FUNCTIONS, OtherBattery
 from simlink.geodesy import deg_e7
 from simlink.px4 import Px4
 from simlink.vehicle_state import VehicleState
@@ -66,10 +67,18 @@ def sys_status(vehicle: VehicleState) -> mavlink.MAVLink_message:
 
 def battery_status(vehicle: VehicleState) -> mavlink.MAVLink_message:
     """BATTERY_STATUS."""
-    percent = vehicle.battery_percent()
+    return _battery_status(0, FUNCTIONS["unknown"], vehicle.battery_percent())
+
+
+def other_battery_status(battery: OtherBattery) -> mavlink.MAVLink_message:
+    """BATTERY_STATUS of a battery besides the first."""
+    return _battery_status(battery.id, FUNCTIONS[battery.function], battery.percent)
+
+
+def _battery_status(number: int, function: int, percent: float) -> mavlink.MAVLink_message:
     cell = _battery_mv(percent) // _CELLS
     voltages = [cell] * _CELLS + [0xFFFF] * (10 - _CELLS)
-    return mavlink.MAVLink_battery_status_message(0, 0, 1, 2500, voltages, 1500, -1, -1, round(percent))
+    return mavlink.MAVLink_battery_status_message(number, function, 1, 2500, voltages, 1500, -1, -1, round(percent))
 
 
 def _battery_mv(percent: float) -> int:

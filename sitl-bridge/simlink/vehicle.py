@@ -2,7 +2,7 @@
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from simlink import schedule
+from simlink import batteries, extras, schedule, telemetry
 from simlink.autopilot import Emit
 from simlink.config import FleetConfig, VehicleConfig
 from simlink.endpoint import Endpoint
@@ -23,7 +23,9 @@ class Vehicle(VehicleState):
         self.endpoint = Endpoint(config.system, mavlink.MAV_COMP_ID_AUTOPILOT1, key)
         self.outbox: list[mavlink.MAVLink_message] = []
         self._protocol = Protocol(self, self.schedule, self.outbox)
-        self._extras = [Extra(kind, config.system, key) for kind in fleet.extra]
+        self._extras = [Extra(kind, config.system, key) for kind in fleet.extra if kind in extras.KINDS]
+        added = [batteries.EXTRAS[kind] for kind in fleet.extra if kind in batteries.EXTRAS]
+        self._batteries = [*fleet.batteries, *added]
         self.awaits_setpoint = False
         """Whether this tick's telemetry asks for a setpoint."""
 
@@ -52,6 +54,8 @@ class Vehicle(VehicleState):
                     continue
                 self.awaits_setpoint = True
             frames.append(self.endpoint.pack(schedule.BUILDERS[message](self)))
+            if message == mavlink.MAVLINK_MSG_ID_BATTERY_STATUS:
+                frames.extend(self.endpoint.pack(telemetry.other_battery_status(other)) for other in self._batteries)
         return frames
 
     def receive(self, datagram: bytes) -> list[bytes]:

@@ -8,7 +8,7 @@ from simlink import actions, modes
 from simlink.ardupilot import ArduPilot
 from simlink.autopilot import Emit
 from simlink.body import Body
-from simlink.config import FleetConfig, VehicleConfig
+from simlink.config import ConfigError, FleetConfig, VehicleConfig
 from simlink.faults import Fault, FaultPlan
 from simlink.float32 import f32
 from simlink.geodesy import Plane
@@ -53,6 +53,7 @@ class VehicleState:
         if fleet.guided_timeout_s is not None:
             self.autopilot.parameters["COM_OF_LOSS_T" if px4 else "GUID_TIMEOUT"] = fleet.guided_timeout_s
         self.autopilot.parameters["MAV_SYS_ID" if px4 else "MAV_SYSID"] = float(config.system)
+        self._set_parameters({**fleet.parameters, **config.parameters})
         self.faults = FaultPlan([fault for fault in fleet.faults if fault.id == config.id])
         self._random = random.Random(f"{fleet.seed}/{config.id}")
         self._noise = [self._random.gauss(0.0, fleet.gps_noise_m) for _ in range(2)]
@@ -62,6 +63,17 @@ class VehicleState:
         self._frozen: Estimate | None = None
         self._estimate: Estimate | None = None
         self.t_ms = 0
+        self.host_ms = 0
+        """Time of the host's clock since the fleet began."""
+
+    def _set_parameters(self, values: dict[str, float]) -> None:
+        known = self.autopilot.parameters
+        for name, value in values.items():
+            if name not in known:
+                raise ConfigError(
+                    f"vehicle {self.config.id} ({self.config.dialect}) has no parameter {name!r}; known: {', '.join(known)}"
+                )
+            known[name] = float(value)
 
     # Clocks, all in ms
 
@@ -77,8 +89,8 @@ class VehicleState:
 
     @property
     def unix_ms(self) -> int:
-        """Time of day."""
-        return self._fleet.unix_ms + self.t_ms
+        """Time of day: ArduPilot has it from its GPS, PX4 from its host."""
+        return self._fleet.unix_ms + (self.host_ms if isinstance(self.autopilot, Px4) else self.t_ms)
 
     # Estimates
 

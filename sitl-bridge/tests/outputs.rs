@@ -65,11 +65,16 @@ impl Link {
         self.hear();
     }
 
+    /// Whether a setpoint has answered what the vehicle told last.
+    fn is_answered(&self) -> bool {
+        self.vehicle.setpoints.last().is_some_and(|setpoint| setpoint.boot_ms == self.vehicle.boot_ms)
+    }
+
     /// A second in flight, where the node answers every position with a setpoint.
     fn second_in_flight(&mut self) {
         for _ in 0..5 {
             self.tick();
-            while !self.vehicle.is_answered() {
+            while !self.is_answered() {
                 self.take();
             }
         }

@@ -51,6 +51,14 @@ fn px4_flies_the_same() {
     check(&fly(&Simulation { px4: true, ..ideal() }));
 }
 
+/// As behind one MAVProxy: a node that took the first autopilot that it hears would fly the wrong one.
+#[test]
+fn every_vehicle_on_every_port_changes_nothing() {
+    let mut simulation = ideal();
+    simulation.fleet.insert("shared_ports".into(), json!(true));
+    check(&fly(&simulation));
+}
+
 #[test]
 fn wrapping_clocks_and_sequence_numbers_change_nothing() {
     // The vehicles' clocks wrap in flight, after takeoff and the wait for step 0.

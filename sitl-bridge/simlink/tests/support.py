@@ -40,19 +40,22 @@ class Controller:
     """Brings a vehicle into the air and answers each of its positions with a setpoint."""
 
     def __init__(self, setpoint: Callable[["Controller"], dict | None] | None = None, **options: Any) -> None:
-        self.mav = mavlink.MAVLink(None, srcSystem=250, srcComponent=191)
+        self.mav = mavlink.MAVLink(None, srcSystem=options.get("system", 255), srcComponent=191)
+        self.vehicle = options.get("vehicle", 0)
         self.parser = mavlink.MAVLink(None)
         self.setpoint = setpoint
         self.px4 = options.get("dialect") == "px4"
         self.height = options.get("height", 10.0)
         self.takes_off = options.get("takes_off", True)
         self.heartbeats = True
+        self.kind = options.get("kind", mavlink.MAV_TYPE_ONBOARD_CONTROLLER)
         self.silent = False
         self.frames: list[bytes] = []
         self.last: dict[str, Any] = {}
         self.texts: list[str] = []
         self.acks: list[tuple[int, int]] = []
         self.seen: dict[int, list[int]] = {}
+        self.others: set[int] = set()
         self._asked = self._was_up = False
         self._heartbeat_ms = -10_000
 
@@ -60,6 +63,9 @@ class Controller:
         """Gets one frame, returns the answers."""
         self.frames.append(frame)
         message = self.parser.decode(bytearray(frame))
+        if self.vehicle and message.get_srcSystem() != self.vehicle:
+            self.others.add(message.get_srcSystem())
+            return []
         kind = message.get_type()
         self.last[kind] = message
         self.seen.setdefault(message.get_msgId(), []).append(getattr(message, "time_boot_ms", 0))
@@ -82,7 +88,7 @@ class Controller:
 
     def command(self, number: int, *parameters: float) -> mavlink.MAVLink_message:
         padded = (*parameters, *(0.0,) * (7 - len(parameters)))
-        return mavlink.MAVLink_command_long_message(0, 1, number, 0, *padded)
+        return mavlink.MAVLink_command_long_message(self.vehicle, 1, number, 0, *padded)
 
     def _on_heartbeat(self, message: mavlink.MAVLink_message) -> list[mavlink.MAVLink_message]:
         answers = [self.own_heartbeat()] if self.heartbeats else []
@@ -104,7 +110,7 @@ class Controller:
 
     def own_heartbeat(self) -> mavlink.MAVLink_message:
         return mavlink.MAVLink_heartbeat_message(
-            mavlink.MAV_TYPE_ONBOARD_CONTROLLER, mavlink.MAV_AUTOPILOT_INVALID, 0, 0, mavlink.MAV_STATE_ACTIVE, 3
+            self.kind, mavlink.MAV_AUTOPILOT_INVALID, 0, 0, mavlink.MAV_STATE_ACTIVE, 3
         )
 
     @property
@@ -121,7 +127,7 @@ class Controller:
         if self.setpoint is None or not self.airborne:
             return []
         target = self.setpoint(self)
-        answers = [] if target is None else [setpoint_message(**target)]
+        answers = [] if target is None else [setpoint_message(**target, system=self.vehicle)]
         if self.px4 and self.mode >> 16 & 0xFF != OFFBOARD and len(self.acks) > 2 and message.time_boot_ms % 1000 == 0:
             answers.append(self.command(176, 1, OFFBOARD))
         return answers
@@ -133,10 +139,11 @@ def setpoint_message(
     position: tuple[float, float, float] = (0.0, 0.0, 0.0),
     mask: int = VELOCITY_AND_ACCELERATION,
     frame: int = 1,
+    system: int = 0,
 ) -> mavlink.MAVLink_message:
     """A setpoint; all triples are north, east, down."""
     return mavlink.MAVLink_set_position_target_local_ned_message(
-        0, 0, 1, frame, mask, *position, *velocity, *acceleration, 0.0, 0.0
+        0, system, 1, frame, mask, *position, *velocity, *acceleration, 0.0, 0.0
     )
 
 

@@ -56,6 +56,14 @@ class ArduPilot(unittest.TestCase):
         self.flight.run_for(0.4)
         self.assertEqual(self.controller.acks[-2:], [(176, 0), (22, 0)])
 
+    def test_a_second_takeoff_in_the_air_is_refused(self):
+        self.flight.run_until(lambda: self.flight.fleet.vehicles[0].autopilot.is_streaming)
+        for height in (10, 30):
+            self.send(self.controller.command(22, 0, 0, 0, 0, 0, 0, height))
+            self.flight.run_for(5)
+            self.assertEqual(self.controller.acks[-1], (22, 4))
+        self.assertAlmostEqual(self.flight.body().up, 10.0, delta=0.6)
+
     def test_armed_on_the_ground_it_disarms_by_itself(self):
         self.controller.takes_off = False
         self.flight.run_for(6)

@@ -69,7 +69,16 @@ class SetpointTimeout(unittest.TestCase):
         timeout, stopped = self.silence(flight, switch)
         self.assertEqual(timeout["silent_ms"], 1200)
         self.assertLess(stopped["flown_m"], 16)
-        self.assertEqual(flight.named("mode")[-1]["mode"], "LOITER")
+        self.assertEqual(flight.named("mode")[-1]["mode"], "POSCTL")
+
+    def test_px4_changes_to_the_mode_it_is_told(self):
+        for number, mode in ((3, "RTL"), (4, "LAND"), (5, "LOITER")):
+            switch = Switch()
+            flight = Flight(Controller(switch, dialect="px4"), parameters={"COM_OBL_RC_ACT": number})
+            flight.run_until(lambda flight=flight: flight.fleet.vehicles[0].autopilot.mode.name == "OFFBOARD")
+            switch.now = None
+            flight.run_for(3)
+            self.assertEqual(flight.named("mode")[-1]["mode"], mode)
 
     def test_in_ideal_flight_too(self):
         switch = Switch()
@@ -86,7 +95,7 @@ class SetpointTimeout(unittest.TestCase):
 class HeartbeatsMissing(unittest.TestCase):
     def test_it_returns_even_while_setpoints_go_on(self):
         switch = Switch()
-        flight = airborne(switch)
+        flight = airborne(switch, parameters={"FS_GCS_ENABLE": 1})
         switch.now = dict(velocity=(5, 0, 0))
         flight.run_for(10)
         controller = flight.controllers[0]
@@ -103,7 +112,7 @@ class HeartbeatsMissing(unittest.TestCase):
 
     def test_it_flies_home_and_lands(self):
         switch = Switch()
-        flight = airborne(switch)
+        flight = airborne(switch, parameters={"FS_GCS_ENABLE": 1})
         switch.now = dict(velocity=(5, -3, 0))
         flight.run_for(20)
         flight.controllers[0].heartbeats = False
@@ -113,10 +122,50 @@ class HeartbeatsMissing(unittest.TestCase):
         self.assertFalse(flight.fleet.vehicles[0].autopilot.armed)
         self.assertEqual(flight.named("crash"), [])
 
+    def test_ardupilot_counts_the_ground_station_s_id_alone(self):
+        for system, kind in ((250, mavlink.MAV_TYPE_ONBOARD_CONTROLLER), (2, mavlink.MAV_TYPE_GCS)):
+            controller = Controller(lambda _: {}, system=system, kind=kind)
+            flight = Flight(controller, parameters={"FS_GCS_ENABLE": 1})
+            flight.run_until(lambda flight=flight: flight.fleet.vehicles[0].autopilot.is_streaming)
+            controller.heartbeats = False
+            flight.run_for(20)
+            self.assertEqual(flight.named("failsafe"), [])
+        # Where it is told another, that one counts.
+        controller = Controller(lambda _: {}, system=2)
+        flight = Flight(controller, parameters={"FS_GCS_ENABLE": 1})
+        flight.fleet.vehicles[0].autopilot.parameters["MAV_GCS_SYSID"] = 2.0
+        flight.run_until(lambda: flight.fleet.vehicles[0].autopilot.is_streaming)
+        controller.heartbeats = False
+        flight.run_for(7)
+        self.assertEqual(len(flight.named("failsafe")), 1)
+
+    def test_px4_misses_no_onboard_controller(self):
+        for kind, failsafes in ((mavlink.MAV_TYPE_ONBOARD_CONTROLLER, 0), (mavlink.MAV_TYPE_GCS, 1)):
+            controller = Controller(lambda _: {}, dialect="px4", kind=kind)
+            flight = Flight(controller)
+            autopilot = flight.fleet.vehicles[0].autopilot
+            flight.run_until(lambda autopilot=autopilot: autopilot.mode.name == "OFFBOARD")
+            autopilot.parameters["NAV_DLL_ACT"] = 2.0
+            controller.heartbeats = False
+            flight.run_for(12)
+            self.assertEqual(len(flight.named("failsafe")), failsafes, kind)
+
+    def test_px4_with_that_failsafe_does_not_arm_without_a_ground_station(self):
+        for kind, result in ((mavlink.MAV_TYPE_ONBOARD_CONTROLLER, 4), (mavlink.MAV_TYPE_GCS, 0)):
+            controller = Controller(dialect="px4", takes_off=False, kind=kind)
+            flight = Flight(controller)
+            flight.fleet.vehicles[0].autopilot.parameters["NAV_DLL_ACT"] = 2.0
+            flight.run_for(6)
+            flight.hub.waiting.append((0, controller.pack(controller.command(400, 1))))
+            flight.run_for(0.4)
+            self.assertEqual(controller.acks[-1], (400, result))
+            refused = "Preflight Fail: No connection to the GCS"
+            self.assertEqual(refused in controller.texts, result != 0)
+
     def test_nobody_who_never_spoke_is_missed(self):
         controller = Controller(lambda _: {})
         controller.heartbeats = False
-        flight = Flight(controller)
+        flight = Flight(controller, parameters={"FS_GCS_ENABLE": 1})
         flight.run_for(40)
         self.assertTrue(flight.fleet.vehicles[0].autopilot.is_streaming)
         self.assertEqual(flight.named("failsafe"), [])

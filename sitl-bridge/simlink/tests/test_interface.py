@@ -47,6 +47,7 @@ class Configuration(unittest.TestCase):
                 "signing_key_file": "key",
                 "faults": [{"id": 3, "kind": "nan"}],
                 "guided_timeout_s": 0.8,
+                "parameters": {"NAV_DLL_ACT": 2},
                 "ekf_ready_s": 1,
                 "boot_ms": 6,
                 "unix_ms": 7,

@@ -48,6 +48,13 @@ pub(super) struct Situation<'a> {
     pub state: &'a VehicleState,
 }
 
+/// The vehicle when its bring-up began.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Beginning {
+    pub custom_mode: u32,
+    pub armed: bool,
+}
+
 /// The bring-up of one vehicle.
 #[derive(Clone, Debug)]
 pub(super) struct BringUp {
@@ -62,8 +69,8 @@ pub(super) struct BringUp {
     took_off: bool,
     /// A vehicle that is armed and in another mode may be taken: the operator asked for it.
     may_take: bool,
-    /// `custom_mode` when the bring-up began.
-    began_in: Option<u32>,
+    /// The vehicle when the bring-up began.
+    began: Option<Beginning>,
     /// Height above home when the takeoff was first commanded, mm.
     from_mm: Option<i32>,
 }
@@ -77,9 +84,14 @@ impl BringUp {
             climbing_since: None,
             took_off: false,
             may_take: false,
-            began_in: None,
+            began: None,
             from_mm: None,
         }
+    }
+
+    /// Altitude to fly at, mm above mean sea level.
+    pub const fn layer_mm(&self) -> i32 {
+        self.layer_mm
     }
 
     /// In the air, with the takeoff finished.
@@ -95,7 +107,7 @@ impl BringUp {
     /// Forgets the takeoff under way, so that a new start begins from scratch.
     pub const fn restart(&mut self) {
         (self.climbing_since, self.took_off) = (None, false);
-        (self.began_in, self.from_mm) = (None, None);
+        (self.began, self.from_mm) = (None, None);
     }
 
     /// Whether a vehicle may be taken that is armed and in another mode.
@@ -109,18 +121,34 @@ impl BringUp {
 
     /// Whether the bring-up has begun.
     pub const fn has_begun(&self) -> bool {
-        self.began_in.is_some()
+        self.began.is_some()
     }
 
-    /// Begins in this `custom_mode`, unless it has begun; returns the mode in which it did.
-    pub fn begin(&mut self, custom_mode: u32) -> u32 {
-        *self.began_in.get_or_insert(custom_mode)
+    /// Begins with the vehicle like this, unless it has begun; returns how it did.
+    pub fn begin(&mut self, custom_mode: u32, armed: bool) -> Beginning {
+        *self.began.get_or_insert(Beginning { custom_mode, armed })
+    }
+
+    /// Whether a takeoff was commanded since the start.
+    pub const fn has_commanded_takeoff(&self) -> bool {
+        self.from_mm.is_some()
     }
 
     /// Whether the vehicle has climbed since the takeoff was first commanded.
     pub fn is_climbing(&self, state: &VehicleState) -> bool {
         let Some((from, odometry)) = self.from_mm.zip(state.odometry) else { return false };
         odometry.relative_mm - from >= CLIMBED_MM
+    }
+
+    /// Whether it is on the ground, in the `custom_mode` in which the bring-up began.
+    pub fn waits_on_ground(&self, custom_mode: u32, state: &VehicleState) -> bool {
+        self.began.is_some_and(|began| began.custom_mode == custom_mode)
+            && state.odometry.is_some_and(|odometry| odometry.relative_mm < AIRBORNE_MM)
+    }
+
+    /// Whether the vehicle is in the air though no takeoff was commanded since the start.
+    pub fn is_up_by_another(&self, state: &VehicleState) -> bool {
+        self.from_mm.is_none() && state.odometry.is_some_and(|odometry| odometry.relative_mm >= AIRBORNE_MM)
     }
 
     /// The vehicle rebooted, so it is on the ground.
@@ -155,6 +183,8 @@ impl BringUp {
                 BringUpStep::Arm
             }
             _ if !self.airborne => self.take_off(vehicle, now_ms),
+            // Its takeoff does not show yet, or somebody ended it.
+            _ if self.from_mm.is_some() && matches!(vehicle.mode, Some(Mode::Other(_))) => BringUpStep::Wait,
             // In the air; PX4 accepts OFFBOARD only while setpoints are streamed.
             _ if self.streaming_since.is_some_and(|since| now_ms - since >= PRESTREAM_MS) => BringUpStep::SetGuided,
             _ => BringUpStep::Wait,

@@ -1,26 +1,21 @@
 //! The autopilot as a node's client talks to it: identification, message intervals, commands.
 
 use super::bring_up::{BringUp, BringUpStep, Situation};
-use super::command::{CommandFailure, PendingCommand, command_name};
+use super::command::PendingCommand;
+use super::control::Control;
 use super::firmware::{Firmware, Mode};
 use super::identity::Identity;
-use super::message_rates::message_rates;
 use super::notice::Notice;
+use super::order::WaitingOrder;
+use super::parameter_watch::{ParameterWatch, Reliance};
 use super::shared_id::Senders;
 use super::stage::Stage;
+
 use super::vehicle_state::{TelemetryUpdate, VehicleState};
 use crate::messages::{CommandLong, Heartbeat, Telemetry, mav_cmd};
 
-/// What a start waits for is repeated to the operator this often, ms.
-const REMIND_MS: i64 = 10_000;
-/// A STATUSTEXT explains a refusal for this long, ms.
-const TEXT_MS: i64 = 10_000;
 /// MAV_SEVERITY up to which it does: warnings and worse.
 const TEXT_SEVERITY: u8 = 4;
-
-/// A change of mode that was accepted has this long to show in a heartbeat, ms: longer, and somebody
-/// changed it back.
-const EFFECT_MS: i64 = 2500;
 
 /// Parameters of MAV_CMD_DO_SET_MODE; the first is MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.
 pub(super) const fn set_mode_params([main, sub]: [f32; 2]) -> [f32; 7] {
@@ -51,6 +46,8 @@ pub struct Autopilot {
     /// A return or a landing, until the autopilot has left the mode that follows setpoints. It comes before
     /// everything else.
     pub(super) order: Option<PendingCommand>,
+    pub(super) waiting_order: Option<WaitingOrder>,
+    pub(super) control: Control,
     /// Index of the next message interval to request.
     pub(super) next_rate: usize,
     pub(super) stage: Stage,
@@ -66,6 +63,7 @@ pub struct Autopilot {
     pub(super) corrections_told_ms: i64,
     /// The operator was told that perhaps two vehicles send with this system id.
     pub(super) doubt_reported: bool,
+    pub(super) watch: ParameterWatch,
 }
 
 impl Autopilot {
@@ -73,7 +71,14 @@ impl Autopilot {
     /// sea level; positions are requested at `rate_hz`. It is the autopilot of system `vehicle`; the node
     /// sends as system `own.0`, component `own.1`.
     #[must_use]
-    pub const fn new(state: VehicleState, layer_mm: i32, rate_hz: f64, vehicle: u8, own: (u8, u8)) -> Self {
+    pub const fn new(
+        state: VehicleState,
+        layer_mm: i32,
+        rate_hz: f64,
+        vehicle: u8,
+        own: (u8, u8),
+        reliance: Reliance,
+    ) -> Self {
         Self {
             state,
             target: None,
@@ -83,6 +88,8 @@ impl Autopilot {
             bring_up: BringUp::new(layer_mm),
             command: None,
             order: None,
+            waiting_order: None,
+            control: Control::new(),
             next_rate: 0,
             stage: Stage::Silent,
             reminded_ms: i64::MIN / 2,
@@ -92,6 +99,7 @@ impl Autopilot {
             corrections: (0, 0),
             corrections_told_ms: i64::MIN / 2,
             doubt_reported: false,
+            watch: ParameterWatch::new(reliance),
         }
     }
 
@@ -105,12 +113,6 @@ impl Autopilot {
     #[must_use]
     pub const fn target(&self) -> Option<(u8, u8)> {
         self.target
-    }
-
-    /// Its firmware, once a HEARTBEAT identified it.
-    #[must_use]
-    pub const fn firmware(&self) -> Option<Firmware> {
-        self.firmware
     }
 
     /// In the air, with the takeoff finished.
@@ -179,6 +181,7 @@ impl Autopilot {
                 }
                 notices.push(Notice { warning: *severity <= TEXT_SEVERITY, text: format!("autopilot: {text}") });
             }
+            Telemetry::Parameter(value) => self.take_parameter(value),
             _ => {}
         }
         let before = self.mode_name();
@@ -186,8 +189,10 @@ impl Autopilot {
         match update {
             TelemetryUpdate::Rebooted => {
                 notices.push(Notice::warning("the vehicle's clock started anew: it booted again, or it jumped"));
-                (self.next_rate, self.command, self.order) = (0, None, None);
+                // An order goes on: perhaps it was the clock alone.
+                (self.next_rate, self.command) = (0, None);
                 self.bring_up.reboot();
+                self.watch.restart();
                 if self.stage != Stage::Failed {
                     self.stage = Stage::Subscribing;
                 }
@@ -210,7 +215,9 @@ impl Autopilot {
             if before != mode && before != "unknown" {
                 notices.push(Notice::info(format!("mode {before} -> {mode}")));
             }
-            self.check_order();
+            self.note_mode(now_ms);
+            self.check_order(now_ms, notices);
+            self.report_parameters(notices);
         }
         self.bring_up.update(&self.state, self.state.is_armed());
         update
@@ -254,8 +261,19 @@ impl Autopilot {
         if self.state.senders() == Senders::Two {
             self.state.forget_senders();
         }
-        (self.command, self.order) = (None, None);
+        (self.command, self.order, self.waiting_order) = (None, None, None);
+        self.control.restart();
+        self.watch.restart();
         self.bring_up.restart();
+    }
+
+    /// Whether a bring-up is under way, which a start need not begin anew.
+    pub fn goes_on(&mut self, may_take: bool) -> bool {
+        let goes_on = self.stage == Stage::BringUp && self.order.is_none() && self.waiting_order.is_none();
+        if goes_on && may_take {
+            self.bring_up.set_may_take(true);
+        }
+        goes_on
     }
 
     /// What the operator should look at while the vehicle is not heard, if that is known.
@@ -267,7 +285,8 @@ impl Autopilot {
     /// Whether a command waits for its COMMAND_ACK.
     #[must_use]
     pub fn awaits_ack(&self) -> bool {
-        [self.command, self.order].iter().flatten().any(|command| !command.is_accepted())
+        self.waiting_order.is_some()
+            || [self.command, self.order].iter().flatten().any(|command| !command.is_accepted())
     }
 
     fn identify(&mut self, from: (u8, u8), heartbeat: Heartbeat, notices: &mut Vec<Notice>) {
@@ -290,7 +309,7 @@ impl Autopilot {
         let Some(firmware) = self.firmware else { return };
         let guided = self.mode() == Some(Mode::Guided);
         if self.is_airborne() && guided {
-            if self.stage != Stage::Flying {
+            if self.stage != Stage::Flying && self.may_fly(now_ms, notices) {
                 self.stage = Stage::Flying;
                 self.command = None;
                 notices.push(Notice::info(format!("airborne, {}", firmware.guided_name())));
@@ -307,8 +326,12 @@ impl Autopilot {
             self.remind(now_ms, notices, || format!("waiting for {missing}"));
             return;
         }
-        if let Some(reason) = self.taken_over(now_ms) {
+        if let Some(reason) = self.taken_over() {
+            self.control.lose();
             self.give_up(&reason, notices);
+            return;
+        }
+        if !self.may_fly(now_ms, notices) {
             return;
         }
         self.stage = Stage::BringUp;
@@ -328,33 +351,12 @@ impl Autopilot {
             }
             BringUpStep::TakeOff { height_mm, params } if takeoff.is_none() => {
                 self.command = Some(PendingCommand::new(mav_cmd::NAV_TAKEOFF, params, now_ms));
+                self.control.climb();
                 notices.push(Notice::info(format!("taking off to {:.1} m", f64::from(height_mm) / 1e3)));
             }
             BringUpStep::TakeOff { .. } => {}
             BringUpStep::GiveUp(reason) => self.give_up(&reason, notices),
         }
-    }
-
-    /// Who has the vehicle instead of the node, in words: it is armed in another mode before an automatic
-    /// start, or its mode was changed since the bring-up began.
-    fn taken_over(&mut self, now_ms: i64) -> Option<String> {
-        let heartbeat = self.state.heartbeat?.0;
-        let firmware = self.firmware?;
-        let mode = firmware.mode(heartbeat.custom_mode);
-        let name = firmware.mode_name(heartbeat.custom_mode);
-        if mode == Mode::Guided {
-            return None;
-        }
-        if !self.bring_up.may_take() && !self.bring_up.has_begun() && heartbeat.armed {
-            return Some(format!("it is armed and in {name}, so somebody flies it: type `start` to take it"));
-        }
-        // What the autopilot itself changes to on its takeoff.
-        let ours = firmware == Firmware::Px4 && mode == Mode::TakeoffOrHold && self.bring_up.has_begun();
-        let began_in = self.bring_up.begin(heartbeat.custom_mode);
-        let accepted_ms = self.command.filter(|c| c.is(mav_cmd::DO_SET_MODE, &set_mode_params(firmware.guided())));
-        let undone = accepted_ms.and_then(PendingCommand::accepted_ms).is_some_and(|at| now_ms - at >= EFFECT_MS);
-        ((!ours && heartbeat.custom_mode != began_in) || undone)
-            .then(|| format!("the mode is {name}: somebody else changed it; type `start` to take the vehicle"))
     }
 
     /// Makes this the command under way, unless it is already.
@@ -366,67 +368,6 @@ impl Autopilot {
 
     fn set_mode(&mut self, mode: [f32; 2], now_ms: i64) {
         self.request(mav_cmd::DO_SET_MODE, set_mode_params(mode), now_ms);
-    }
-
-    fn acknowledge(&mut self, command: u16, result: u8, now_ms: i64, notices: &mut Vec<Notice>) {
-        if let Some(order) = self.order.as_mut().filter(|c| c.command() == command && !c.is_accepted()) {
-            if order.acknowledge(result, now_ms).is_err() || order.is_refused() {
-                let why = format!("refused by the autopilot{}", self.explanation(now_ms));
-                self.repeat_order(now_ms, &why, notices);
-            }
-            return;
-        }
-        let Some(pending) = self.command.as_mut().filter(|c| c.command() == command && !c.is_accepted()) else {
-            return;
-        };
-        match pending.acknowledge(result, now_ms) {
-            Ok(true) => {}
-            Ok(false) => {
-                let (what, why) = (command_name(command), self.explanation(now_ms));
-                self.remind(now_ms, notices, || format!("{what} refused by the autopilot{why}; trying again"));
-            }
-            Err(failure) => self.fail(failure, now_ms, notices),
-        }
-    }
-
-    fn fail(&mut self, failure: CommandFailure, now_ms: i64, notices: &mut Vec<Notice>) {
-        let Some(pending) = self.command.take() else { return };
-        let what = command_name(pending.command());
-        if pending.command() == mav_cmd::SET_MESSAGE_INTERVAL {
-            // Some autopilots send the message without a request.
-            let id = message_rates(self.firmware, self.rate_hz).get(self.next_rate).map_or(0, |&(id, _)| id);
-            notices.push(Notice::warning(format!(
-                "the autopilot does not take a rate for message {id}; going on without"
-            )));
-            self.next_rate += 1;
-            return;
-        }
-        let reason = match failure {
-            CommandFailure::NoAck => format!("{what}: no answer from the autopilot"),
-            CommandFailure::Refused => format!("{what} refused by the autopilot{}", self.explanation(now_ms)),
-            CommandFailure::Unsupported => format!("{what}: the autopilot does not know this command"),
-        };
-        self.give_up(&reason, notices);
-    }
-
-    pub(crate) fn give_up(&mut self, reason: &str, notices: &mut Vec<Notice>) {
-        notices.push(Notice::warning(format!("not flying: {reason}")));
-        (self.command, self.stage) = (None, Stage::Failed);
-    }
-
-    /// The autopilot's last STATUSTEXT, if it is recent enough to explain a refusal.
-    pub(super) fn explanation(&self, now_ms: i64) -> String {
-        match &self.last_text {
-            Some((text, at)) if now_ms - at <= TEXT_MS => format!(": {text}"),
-            _ => String::new(),
-        }
-    }
-
-    pub(crate) fn remind(&mut self, now_ms: i64, notices: &mut Vec<Notice>, text: impl FnOnce() -> String) {
-        if now_ms - self.reminded_ms >= REMIND_MS {
-            self.reminded_ms = now_ms;
-            notices.push(Notice::info(text()));
-        }
     }
 }
 

@@ -65,6 +65,16 @@ impl PendingCommand {
         matches!(self.state, State::Accepted(_))
     }
 
+    /// Whether it was sent, and no answer came yet.
+    pub const fn is_sent(&self) -> bool {
+        matches!(self.state, State::Sent(_))
+    }
+
+    /// Whether it was sent at least once, whatever became of it.
+    pub const fn was_sent(&self) -> bool {
+        self.sent > 0 || self.refused > 0
+    }
+
     /// When the autopilot accepted it, ms.
     pub const fn accepted_ms(self) -> Option<i64> {
         match self.state {

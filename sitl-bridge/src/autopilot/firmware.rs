@@ -1,5 +1,6 @@
 //! ArduPilot and PX4: how each numbers its flight modes.
 
+use crate::messages::ParameterValue;
 use std::fmt;
 
 /// The autopilot's firmware.
@@ -62,6 +63,25 @@ impl Firmware {
         }
     }
 
+    /// The `custom_mode` in heartbeats of a mode that was set by these parameters 2 and 3 of
+    /// MAV_CMD_DO_SET_MODE.
+    pub(super) const fn custom_mode(self, [main, sub]: [f32; 2]) -> u32 {
+        match self {
+            Self::ArduPilot => main as u32,
+            Self::Px4 => ((sub as u32) << 24) | ((main as u32) << 16),
+        }
+    }
+
+    /// Whether a `custom_mode` is one of PX4's AUTO modes.
+    pub(super) const fn is_automatic(self, custom_mode: u32) -> bool {
+        matches!((self, Px4::of(custom_mode)), (Self::Px4, Px4 { main: Px4::AUTO, .. }))
+    }
+
+    /// Whether a `custom_mode` is PX4's AUTO.TAKEOFF.
+    pub(super) const fn is_taking_off(self, custom_mode: u32) -> bool {
+        matches!((self, Px4::of(custom_mode)), (Self::Px4, Px4 { main: Px4::AUTO, sub: 2 }))
+    }
+
     /// Parameters 2 and 3 (mode and submode) of MAV_CMD_DO_SET_MODE for GUIDED or OFFBOARD.
     #[must_use]
     pub const fn guided(self) -> [f32; 2] {
@@ -86,6 +106,14 @@ impl Firmware {
         match self {
             Self::ArduPilot => [9.0, 0.0],
             Self::Px4 => [4.0, 6.0],
+        }
+    }
+
+    /// A parameter's value: PX4 sends the bytes of an integer where ArduPilot sends a float.
+    pub(super) const fn parameter(self, value: &ParameterValue) -> f64 {
+        match self {
+            Self::ArduPilot => value.cast(),
+            Self::Px4 => value.bytewise(),
         }
     }
 

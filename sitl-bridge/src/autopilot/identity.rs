@@ -30,6 +30,11 @@ impl Identity {
         Self { vehicle, own, others: BTreeSet::new(), reported_waiting: false, reported_double: false }
     }
 
+    /// System that the node sends as.
+    pub const fn own_system(&self) -> u8 {
+        self.own.0
+    }
+
     /// Whether a HEARTBEAT is that of the autopilot to fly.
     pub const fn is_wanted(&self, from: (u8, u8), heartbeat: &Heartbeat) -> bool {
         from.0 == self.vehicle && is_autopilot(from, heartbeat)

@@ -13,20 +13,31 @@
 //! | armed | takeoff, until near the layer's altitude |
 //! | takeoff, until near the layer's altitude | setpoints for a second, then OFFBOARD |
 
+mod answers;
+mod batteries;
 mod bring_up;
 mod client;
 mod clock;
 mod clock_rate;
 mod command;
+mod control;
 mod firmware;
 mod identity;
 mod message_rates;
 mod notice;
 mod odometry;
+mod order;
 mod orders;
+mod parameter_values;
+mod parameter_watch;
+mod parameters;
+mod reliance;
 mod shared_id;
 mod stage;
+mod standing;
+mod strictness;
 mod supervision;
+mod takeover;
 mod vehicle_state;
 
 pub(crate) use client::{Autopilot, Clearance};
@@ -34,5 +45,9 @@ pub(crate) use clock::VehicleClock;
 pub use firmware::{Firmware, Mode, UnsupportedVehicle};
 pub use notice::Notice;
 pub(crate) use odometry::Odometry;
+pub(crate) use order::{Order, Ordered};
+pub(crate) use parameter_watch::Reliance;
 pub use stage::Stage;
+pub(crate) use standing::{STANDING_S, STANDING_SPEED};
+pub use standing::{Speeds, left_standing_m};
 pub(crate) use vehicle_state::{TelemetryUpdate, VehicleState};

@@ -1,5 +1,6 @@
 //! The state of a vehicle by its telemetry: odometry, clocks, health.
 
+use super::batteries::Batteries;
 use super::clock::{ClockUpdate, VehicleClock};
 use super::firmware::{Firmware, Mode};
 use super::odometry::{Odometry, PositionPairing};
@@ -46,12 +47,11 @@ pub struct VehicleState {
     pub estimator: Option<(bool, u32)>,
     /// The last GPS_FIX_TYPE and the `time_boot_ms` when it arrived.
     pub gps_fix: Option<(u8, u32)>,
+    batteries: Batteries,
     /// Altitude above mean sea level in the last GPS_RAW_INT, mm.
     pub gps_alt_mm: Option<i32>,
     /// The last position, where it lies beyond the plane: latitude and longitude, 1e-7 degrees.
     pub beyond: Option<(i32, i32)>,
-    /// Remaining charge, percent.
-    pub battery: Option<u8>,
     /// Whether the vehicle is landed, by EXTENDED_SYS_STATE.
     pub on_ground: Option<bool>,
 }
@@ -70,9 +70,9 @@ impl VehicleState {
             invalid: false,
             estimator: None,
             gps_fix: None,
+            batteries: Batteries::default(),
             gps_alt_mm: None,
             beyond: None,
-            battery: None,
             on_ground: None,
         }
     }
@@ -82,7 +82,8 @@ impl VehicleState {
         let now = self.now_ms();
         match *telemetry {
             Telemetry::Heartbeat(heartbeat) => self.heartbeat = Some((heartbeat, now)),
-            Telemetry::Battery(percent) => self.battery = percent.or(self.battery),
+            Telemetry::Charge(percent) => self.batteries.take_summary(percent, now),
+            Telemetry::Battery(ref battery) => self.batteries.take(battery, now),
             Telemetry::Gps { fix, alt_mm } => (self.gps_fix, self.gps_alt_mm) = (Some((fix, now)), alt_mm),
             Telemetry::Estimator { healthy } => self.estimator = Some((healthy, now)),
             Telemetry::OnGround(on_ground) => self.on_ground = on_ground,
@@ -90,7 +91,7 @@ impl VehicleState {
             Telemetry::SystemTime { unix_us, boot_ms } => return self.system_time(unix_us, boot_ms),
             Telemetry::Global(ref global) => return self.global_position(global),
             Telemetry::Local(ref local) => return self.local_position(local),
-            Telemetry::Ack { .. } | Telemetry::Text { .. } => {}
+            Telemetry::Ack { .. } | Telemetry::Text { .. } | Telemetry::Parameter(_) => {}
         }
         TelemetryUpdate::Other
     }
@@ -111,6 +112,12 @@ impl VehicleState {
     #[must_use]
     pub fn is_armed(&self) -> bool {
         self.heartbeat.is_some_and(|(heartbeat, _)| heartbeat.armed)
+    }
+
+    /// The lowest remaining charge of a flight battery, percent.
+    #[must_use]
+    pub fn battery_percent(&self) -> Option<u8> {
+        self.batteries.lowest(self.now_ms())
     }
 
     /// Whether GLOBAL_POSITION_INT and LOCAL_POSITION_NED disagreed when last compared.

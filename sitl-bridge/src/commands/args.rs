@@ -38,6 +38,10 @@ pub(crate) struct TimingArgs {
     /// observed arrived.
     #[arg(long, default_value_t = 800)]
     decide_ms: u16,
+    /// A UAV counts as where its velocity takes it in this time, ms: vehicles are so much slower to change their velocity
+    /// than the scenario's.
+    #[arg(long, default_value_t = StepTiming::default().lead_ms, value_parser = clap::value_parser!(u16).range(0..=2000))]
+    lead_ms: u16,
     /// Beacons a second; one at the start of each step when left out.
     #[arg(long)]
     beacon_hz: Option<f64>,
@@ -51,7 +55,9 @@ impl TimingArgs {
 
     /// Whether all options were left out, or have their defaults.
     pub fn is_default(&self) -> bool {
-        (self.rate_hz, self.encode_ms, self.decide_ms, self.beacon_hz) == (5, 400, 800, None)
+        let StepTiming { encode_ms, decide_ms, lead_ms, .. } = StepTiming::default();
+        (self.rate_hz, self.encode_ms, self.decide_ms, self.lead_ms, self.beacon_hz)
+            == (5, encode_ms, decide_ms, lead_ms, None)
     }
 
     /// The phases, checked against the length of a step.
@@ -69,8 +75,8 @@ impl TimingArgs {
             Some(hz) => return Err(miette!("--beacon-hz {hz}: use 0.1 to 50")),
         };
         let telemetry_ms = 1000 / self.rate_hz;
-        let (encode_ms, decide_ms) = (self.encode_ms, self.decide_ms);
-        Ok(StepTiming { encode_ms, decide_ms, beacon_ms, telemetry_ms, ..StepTiming::default() })
+        let (encode_ms, decide_ms, lead_ms) = (self.encode_ms, self.decide_ms, self.lead_ms);
+        Ok(StepTiming { encode_ms, decide_ms, beacon_ms, telemetry_ms, lead_ms, ..StepTiming::default() })
     }
 }
 

@@ -38,6 +38,10 @@ pub(crate) struct Fly {
     /// GUIDED (PX4: OFFBOARD).
     #[arg(long)]
     takeoff: bool,
+    /// Refuse to start while a parameter of the autopilot costs what docs/safety.md says, or is not told;
+    /// otherwise warn.
+    #[arg(long)]
+    strict: bool,
     /// Land where it is when this program ends. Otherwise the autopilot holds the place.
     #[arg(long)]
     land_on_exit: bool,
@@ -98,6 +102,7 @@ impl Fly {
             limits: gate_limits(base, &mission),
             take_off: self.takeoff,
             wait_for: self.wait_for,
+            strict: self.strict,
             rate_hz: f64::from(self.timing.rate_hz()),
             source: autopilot.source(),
             autopilot_signing,

@@ -29,7 +29,7 @@ impl Recorded {
         let Some(flight) = &info.flight else {
             let (limits, feed_forward) = by_name(kind.unwrap_or("flight"));
             let rate_hz = f64::from(timing.rate_hz());
-            let timing = StepTiming { pace: Pace::Deadlines, ..timing.timing(step_ms)? };
+            let timing = StepTiming { pace: Pace::Deadlines, lead_ms: 0, ..timing.timing(step_ms)? };
             return Ok(Self { limits, feed_forward, timing, rate_hz, wait_for: 1 });
         };
         let flown = flight.get("limits").unwrap_or("flight");
@@ -44,10 +44,11 @@ impl Recorded {
         let named = StepTiming { pace: recorded.pace, ..timing.timing(step_ms)? };
         if !timing.is_default() && (named != recorded || f64::from(timing.rate_hz()) != rate_hz) {
             return Err(miette!(
-                "the recording says --encode-ms {} --decide-ms {} --rate-hz {rate_hz}{}, and the options say otherwise: \
-                 leave them out",
+                "the recording says --encode-ms {} --decide-ms {} --lead-ms {} --rate-hz {rate_hz}{}, and the options say \
+                 otherwise: leave them out",
                 recorded.encode_ms,
                 recorded.decide_ms,
+                recorded.lead_ms,
                 recorded.beacon_ms.map(|ms| format!(" and a beacon every {ms} ms")).unwrap_or_default()
             ));
         }
@@ -69,8 +70,9 @@ fn recorded_timing(flight: &Flight) -> Option<StepTiming> {
     // Earlier versions, which say nothing of it, decided at positions after the deadlines.
     let pace = flight.get("pace").map_or(Some(Pace::Deadlines), Pace::of_name)?;
     let beacon_ms = flight.number("beacon_ms").filter(|&ms| ms > 0);
+    let lead_ms = flight.number("lead_ms").unwrap_or(0);
     let (encode_ms, decide_ms) = (flight.number("encode_ms")?, flight.number("decide_ms")?);
-    Some(StepTiming { pace, encode_ms, decide_ms, beacon_ms, telemetry_ms: flight.number("telemetry_ms")? })
+    Some(StepTiming { pace, lead_ms, encode_ms, decide_ms, beacon_ms, telemetry_ms: flight.number("telemetry_ms")? })
 }
 
 /// Refuses a mission that was not flown; without a word in the recording it is taken at its word.

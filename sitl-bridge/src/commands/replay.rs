@@ -93,6 +93,7 @@ impl ReplayTlog {
             feed_forward,
             take_off: info.took_off,
             wait_for: recorded.wait_for,
+            strict: info.flight.as_ref().and_then(|flight| flight.number::<u8>("strict")).is_some_and(|n| n != 0),
             rate_hz: recorded.rate_hz,
             source: Source::Datagrams,
             // Only what was believed is in the log.

@@ -6,6 +6,10 @@ pub const HEARTBEAT: u32 = 0;
 pub const SYS_STATUS: u32 = 1;
 /// SYSTEM_TIME.
 pub const SYSTEM_TIME: u32 = 2;
+/// PARAM_REQUEST_READ.
+pub const PARAM_REQUEST_READ: u32 = 20;
+/// PARAM_VALUE.
+pub const PARAM_VALUE: u32 = 22;
 /// GPS_RAW_INT.
 pub const GPS_RAW_INT: u32 = 24;
 /// LOCAL_POSITION_NED.

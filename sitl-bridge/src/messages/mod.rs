@@ -8,10 +8,12 @@ mod fields;
 pub mod id;
 pub mod mav_cmd;
 mod outgoing;
+mod parameter;
 mod telemetry;
 mod v2_extension;
 
 pub use fields::Payload;
 pub use outgoing::{CommandLong, SetPositionTargetLocalNed, VELOCITY_AND_ACCELERATION, heartbeat};
-pub use telemetry::{GlobalPosition, Heartbeat, LocalPosition, Telemetry};
+pub use parameter::{ParamRequestRead, ParameterValue};
+pub use telemetry::{BatteryStatus, GlobalPosition, Heartbeat, LocalPosition, Telemetry};
 pub use v2_extension::V2Extension;

@@ -2,15 +2,17 @@
 
 use super::fields::Fields;
 use super::id;
+use super::parameter::ParameterValue;
 
 /// A decoded message of the autopilot; messages that no decision depends on have no variant.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Telemetry {
     /// HEARTBEAT (0).
     Heartbeat(Heartbeat),
-    /// SYS_STATUS (1) or BATTERY_STATUS (147): remaining charge, percent; `None` when the autopilot
-    /// does not estimate it.
-    Battery(Option<u8>),
+    /// SYS_STATUS (1): remaining charge, percent; `None` when the autopilot does not estimate it.
+    Charge(Option<u8>),
+    /// BATTERY_STATUS (147): one of the batteries.
+    Battery(BatteryStatus),
     /// SYSTEM_TIME (2).
     SystemTime {
         /// `time_unix_usec`: Unix time, µs; 0 until the autopilot has it from GPS.
@@ -18,6 +20,8 @@ pub enum Telemetry {
         /// `time_boot_ms`: time since boot.
         boot_ms: u32,
     },
+    /// PARAM_VALUE (22).
+    Parameter(ParameterValue),
     /// GPS_RAW_INT (24).
     Gps {
         /// GPS_FIX_TYPE; 3 (a 3D fix) and above are good enough to fly.
@@ -75,6 +79,17 @@ pub struct Heartbeat {
     pub armed: bool,
 }
 
+/// BATTERY_STATUS (147).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BatteryStatus {
+    /// The battery's id.
+    pub id: u8,
+    /// MAV_BATTERY_FUNCTION: what it powers.
+    pub function: u8,
+    /// Remaining charge, percent; `None` when the autopilot does not estimate it.
+    pub percent: Option<u8>,
+}
+
 /// LOCAL_POSITION_NED (32), in the local frame of the estimator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalPosition {
@@ -125,8 +140,9 @@ impl Telemetry {
                 autopilot: p.u8(5),
                 armed: p.u8(6) & 128 != 0,
             }),
-            id::SYS_STATUS => Self::Battery(percent(30)),
+            id::SYS_STATUS => Self::Charge(percent(30)),
             id::SYSTEM_TIME => Self::SystemTime { unix_us: p.u64(0), boot_ms: p.u32(8) },
+            id::PARAM_VALUE => Self::Parameter(ParameterValue::read(p)),
             id::GPS_RAW_INT => Self::Gps { fix: p.u8(28), alt_mm: Some(p.i32(16)).filter(|&mm| mm != 0) },
             id::LOCAL_POSITION_NED => Self::Local(LocalPosition {
                 boot_ms: p.u32(0),
@@ -143,7 +159,9 @@ impl Telemetry {
             }),
             id::GPS_GLOBAL_ORIGIN => Self::Origin { lat_e7: p.i32(0), lon_e7: p.i32(4) },
             id::COMMAND_ACK => Self::Ack { command: p.u16(0), result: p.u8(2), to: (p.u8(8), p.u8(9)) },
-            id::BATTERY_STATUS => Self::Battery(percent(35)),
+            id::BATTERY_STATUS => {
+                Self::Battery(BatteryStatus { id: p.u8(32), function: p.u8(33), percent: percent(35) })
+            }
             id::EKF_STATUS_REPORT => Self::Estimator { healthy: Flags::ARDUPILOT.healthy(p.u16(20)) },
             id::ESTIMATOR_STATUS => Self::Estimator { healthy: Flags::PX4.healthy(p.u16(40)) },
             id::EXTENDED_SYS_STATE => Self::OnGround(match p.u8(1) {
@@ -211,9 +229,20 @@ mod tests {
     fn charge_that_is_not_known_is_none() {
         let mut status = [0; 31];
         status[30] = 0xff;
-        assert_eq!(Telemetry::read(1, &status), Some(Telemetry::Battery(None)));
+        assert_eq!(Telemetry::read(1, &status), Some(Telemetry::Charge(None)));
         status[30] = 77;
-        assert_eq!(Telemetry::read(1, &status), Some(Telemetry::Battery(Some(77))));
+        assert_eq!(Telemetry::read(1, &status), Some(Telemetry::Charge(Some(77))));
+    }
+
+    #[test]
+    fn batteries_are_told_apart() {
+        let mut status = [0; 36];
+        (status[32], status[33], status[35]) = (1, 4, 20);
+        let battery = BatteryStatus { id: 1, function: 4, percent: Some(20) };
+        assert_eq!(Telemetry::read(147, &status), Some(Telemetry::Battery(battery)));
+        status[35] = 0xff;
+        let battery = BatteryStatus { percent: None, ..battery };
+        assert_eq!(Telemetry::read(147, &status), Some(Telemetry::Battery(battery)));
     }
 
     #[test]

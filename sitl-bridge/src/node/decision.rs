@@ -4,7 +4,7 @@ use firmware_core::geometry::State;
 use firmware_core::hash::Fnv1a;
 use firmware_core::observation::{MAX_NEIGHBOURS, Observation};
 
-/// A step that began, and the state that it will be decided on.
+/// A step that began, and the state that was measured then.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StepStart {
     /// Number of the step.
@@ -24,7 +24,8 @@ pub struct Decision {
     pub boot_ms: u32,
     /// Time since the step's start by the common clock, ms.
     pub phase_ms: u32,
-    /// The observed state, ticks and ticks/step.
+    /// The observed state, ticks and ticks/step: the one measured at the step's start, ahead by
+    /// [`super::StepTiming::lead_ms`].
     pub state: State,
     /// [`observation_hash`] of the observation.
     pub observation: u64,

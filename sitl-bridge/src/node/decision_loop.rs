@@ -16,7 +16,7 @@ use super::velocity_profile::VelocityProfile;
 use crate::mission::{Mission, PoiMap};
 use firmware_core::actor::Actor;
 use firmware_core::agent::{Agent, AgentError, AgentSettings};
-use firmware_core::geometry::State;
+use firmware_core::geometry::{State, Vec2};
 use firmware_core::message::Message;
 use firmware_core::neighbour_table::Moment;
 use firmware_core::observation::Observation;
@@ -268,7 +268,7 @@ impl<'a> DecisionLoop<'a> {
         self.step = Some(Step {
             start: Moment { step: number, time_ms: measured.common_ms as u32 },
             start_ms: measured.common_ms,
-            state: measured.state,
+            state: self.led(measured.state),
             beacons: 0,
             is_active,
             knows_others,
@@ -280,6 +280,18 @@ impl<'a> DecisionLoop<'a> {
             self.hear(&message);
         }
         StepStart { step: number, state: measured.state, common_ms: measured.common_ms }
+    }
+
+    /// The state that is observed and broadcast: see [`StepTiming::lead_ms`]. On the map it stays there.
+    fn led(&self, measured: State) -> State {
+        let side = 2 * self.agent.settings().half_side;
+        let share = f64::from(self.timing.lead_ms) / f64::from(self.mission.scale.step_ms);
+        let ahead = |position: i32, velocity: i32| {
+            let led = position.saturating_add((f64::from(velocity) * share).round() as i32);
+            if (0..=side).contains(&position) { led.clamp(0, side) } else { led }
+        };
+        let State { position, velocity } = measured;
+        State { position: Vec2 { x: ahead(position.x, velocity.x), y: ahead(position.y, velocity.y) }, velocity }
     }
 
     /// Broadcasts, encodes and decides what is due `phase_ms` after the step's start.
@@ -324,7 +336,7 @@ impl<'a> DecisionLoop<'a> {
             step.beacons = due as u32 + 1;
             let now = Moment { step: step.start.step, time_ms: measured.common_ms as u32 };
             let sequence = self.beacon_sequence.next(measured.common_ms);
-            output.messages.push(Message::Beacon(self.agent.beacon(now, sequence, measured.state)));
+            output.messages.push(Message::Beacon(self.agent.beacon(now, sequence, self.led(measured.state))));
         }
     }
 

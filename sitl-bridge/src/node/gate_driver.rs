@@ -2,8 +2,8 @@
 
 use super::counters::Counters;
 use super::host_time::HostTime;
-use crate::autopilot::{Clearance, Firmware, Notice};
-use firmware_core::gate::{Gate, Inputs, Phase, Reason, Request, Setpoint, Verdict};
+use crate::autopilot::{Clearance, Notice};
+use firmware_core::gate::{FailsafeAction, Gate, Inputs, Phase, Reason, Request, Setpoint, Verdict};
 
 /// Without positions the gate is asked this often, ms: by the vehicle's clock, and in real time by
 /// the host's.
@@ -15,6 +15,9 @@ const FIRST_MS: u32 = 300;
 const SIMULATION_MS: u64 = 2000;
 /// … and a setpoint is sent on its own no sooner than this after the last, ms of the host's clock.
 const SETPOINT_MS: u64 = 200;
+/// In lock-step an answer waits for other UAVs' messages for so long, ms of the host's clock: less than the
+/// simulation waits for the answer.
+const OWED_MS: u64 = 1000;
 
 /// Which setpoints are sent after the gate was asked.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -53,6 +56,8 @@ pub(super) struct GateDriver {
     /// When a setpoint was last sent, by the host's clock.
     setpoint_wall_ms: u64,
     streaming: bool,
+    /// Since when a position waits for its answer, by the host's clock.
+    owed_wall_ms: Option<u64>,
     counters: Counters,
 }
 
@@ -67,6 +72,7 @@ impl GateDriver {
             overdue: false,
             setpoint_wall_ms: 0,
             streaming: false,
+            owed_wall_ms: None,
             counters: Counters::default(),
         }
     }
@@ -79,6 +85,12 @@ impl GateDriver {
     /// Whether setpoints fly the vehicle.
     pub const fn is_flying(&self) -> bool {
         matches!(self.gate.phase(), Phase::Flight) && self.verdict.setpoint().is_some()
+    }
+
+    /// Whether a cause whose action is the return keeps the gate silent in bring-up.
+    pub const fn gives_up_bring_up(&self) -> bool {
+        let Verdict::Silent(reason) = self.verdict else { return false };
+        matches!((self.gate.phase(), reason.action()), (Phase::BringUp, FailsafeAction::Return))
     }
 
     /// Takes the operator's request, to hand it to the gate.
@@ -106,9 +118,24 @@ impl GateDriver {
         Clearance { bring_up, streaming: self.streaming }
     }
 
-    /// A position arrived and the gate was asked with it: the wait for the next one begins.
-    pub const fn position_arrived(&mut self) {
-        self.overdue = false;
+    /// A position arrived, to be answered with a setpoint.
+    pub const fn position_arrived(&mut self, now: HostTime) {
+        self.owed_wall_ms = Some(now.wall_ms);
+    }
+
+    /// The gate was asked with the newest position: the wait for the next one begins.
+    pub const fn position_answered(&mut self) {
+        (self.owed_wall_ms, self.overdue) = (None, false);
+    }
+
+    /// Whether the newest position was not answered yet.
+    pub const fn owes_answer(&self) -> bool {
+        self.owed_wall_ms.is_some()
+    }
+
+    /// Whether the newest position was not answered for so long that it has to be.
+    pub fn owes_answer_since(&self, now: HostTime) -> bool {
+        self.owed_wall_ms.is_some_and(|since_ms| now.wall_ms.saturating_sub(since_ms) >= OWED_MS)
     }
 
     /// Whether the gate has to be asked without a position, at `boot_ms` of the vehicle's clock, and
@@ -126,21 +153,15 @@ impl GateDriver {
         Some(if since_ms >= SETPOINT_MS { SetpointFilter::Braking } else { SetpointFilter::NewVerdict })
     }
 
-    /// Asks the gate. `firmware` is the autopilot's, once it is known.
-    pub fn tick(
-        &mut self,
-        inputs: &Inputs,
-        now: HostTime,
-        filter: SetpointFilter,
-        firmware: Option<Firmware>,
-    ) -> GateOutput {
+    /// Asks the gate. With `early` setpoints go out in bring-up too: PX4 requires a stream of them before
+    /// OFFBOARD.
+    pub fn tick(&mut self, inputs: &Inputs, now: HostTime, filter: SetpointFilter, early: bool) -> GateOutput {
         let before = self.verdict;
         self.verdict = self.gate.tick(inputs);
         (self.asked_boot_ms, self.asked_wall_ms) = (inputs.now_ms.unwrap_or(0), now.wall_ms);
         let is_new = before.name() != self.verdict.name() || before.reason() != self.verdict.reason();
-        // During bring-up only PX4 is sent setpoints: it requires a stream of them before OFFBOARD.
-        let early = matches!(self.verdict, Verdict::BringUp(_)) && firmware != Some(Firmware::Px4);
-        let setpoint = self.verdict.setpoint().filter(|_| !early);
+        let too_early = matches!(self.verdict, Verdict::BringUp(_)) && !early;
+        let setpoint = self.verdict.setpoint().filter(|_| !too_early);
         self.streaming = setpoint.is_some();
         let wanted = match filter {
             SetpointFilter::Any => true,

@@ -53,7 +53,7 @@ pub(super) fn gate_inputs(autopilot: &mut Autopilot, context: &GateContext<'_>, 
         ekf_ok: vehicle.estimator.is_some_and(|(healthy, then)| healthy && fresh(then)),
         gps_fix: vehicle.gps_fix.filter(|&(_, then)| fresh(then)).map(|(kind, _)| kind),
         heartbeat_ms: vehicle.heartbeat.map(|(_, then)| then),
-        battery_permille: vehicle.battery.map(|percent| u16::from(percent) * 10),
+        battery_permille: vehicle.battery_percent().map(|percent| u16::from(percent) * 10),
         mode: match autopilot.mode() {
             None => gate::FlightMode::Unknown,
             Some(Mode::Guided) => gate::FlightMode::Guided,

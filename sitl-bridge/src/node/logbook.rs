@@ -26,11 +26,13 @@ impl Settings<'_> {
             .with("feed_forward", if self.feed_forward == FeedForward::Ramp { "ramp" } else { "action" })
             .with("take_off", u8::from(self.take_off))
             .with("wait_for", self.wait_for)
+            .with("strict", u8::from(self.strict))
             .with("rate_hz", self.rate_hz)
             .with("pace", self.timing.pace.name())
             .with("encode_ms", self.timing.encode_ms)
             .with("decide_ms", self.timing.decide_ms)
             .with("telemetry_ms", self.timing.telemetry_ms)
+            .with("lead_ms", self.timing.lead_ms)
             .with("beacon_ms", self.timing.beacon_ms.unwrap_or(0))
     }
 }

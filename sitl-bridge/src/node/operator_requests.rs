@@ -3,7 +3,7 @@
 use super::ending::Ending;
 use super::operator::OperatorCommand;
 use super::state_machine::Node;
-use crate::autopilot::{Autopilot, Notice};
+use crate::autopilot::{Notice, Order, Ordered};
 use crate::frame::Rejected;
 use firmware_core::gate::{Phase, Request};
 
@@ -13,7 +13,7 @@ impl Node<'_> {
         match command {
             OperatorCommand::Start => self.start(),
             OperatorCommand::Release => self.release(false),
-            OperatorCommand::Return => self.order(Autopilot::return_home),
+            OperatorCommand::Return => self.order(Order::Return),
             OperatorCommand::Land => self.release(true),
         }
     }
@@ -33,6 +33,9 @@ impl Node<'_> {
     pub(super) fn begin(&mut self, may_take: bool) {
         self.started = true;
         self.ending = None;
+        if self.gate.phase() == Phase::BringUp && self.autopilot.goes_on(may_take) {
+            return;
+        }
         self.place_told = false;
         self.muster.restart(self.swarm_link.counts().get(Rejected::IdCollision));
         self.gate.set_request(Request::Start);
@@ -43,22 +46,19 @@ impl Node<'_> {
     /// see [`Node::is_ending`]. With `land` it is commanded to land instead.
     pub fn release(&mut self, land: bool) {
         if land {
-            self.order(Autopilot::land);
+            self.order(Order::Land);
         } else {
             self.end(self.gate.is_flying());
         }
     }
 
     /// Orders a return or a landing of a vehicle that nobody else flies.
-    fn order(&mut self, order: fn(&mut Autopilot, i64)) {
+    fn order(&mut self, order: Order) {
         self.end(false);
-        if self.autopilot.takes_orders() {
-            self.gate.set_request(Request::Return);
-            order(&mut self.autopilot, self.timebase.now_ms());
-        } else {
-            let (mode, armed) = (self.autopilot.mode_name(), if self.autopilot.is_armed() { "" } else { "dis" });
-            let text = format!("not commanded: the vehicle is {armed}armed, in {mode}, and not this node's");
-            self.answers.push(Notice::warning(text));
+        match self.autopilot.order(order, self.timebase.now_ms()) {
+            Ordered::Commanded => self.gate.set_request(Request::Return),
+            Ordered::Waits => self.answers.push(Notice::info("commanded as soon as the vehicle is this node's")),
+            Ordered::Refused => self.answers.push(self.autopilot.refusal()),
         }
     }
 

@@ -2,6 +2,7 @@
 
 use super::step_timing::StepTiming;
 use super::velocity_profile::FeedForward;
+use crate::autopilot::{Reliance, Speeds};
 use crate::frame::Source;
 use crate::mission::{Mission, PoiMap};
 use crate::signing::LinkSigning;
@@ -52,6 +53,9 @@ pub struct Settings<'a> {
     /// So many UAVs start together, this one included: none moves sideways before all of them are in the air.
     /// With one each flies as soon as it is on its layer.
     pub wait_for: u16,
+    /// Whether a start is refused while a parameter of the autopilot costs what `docs/safety.md` says;
+    /// otherwise it is warned of.
+    pub strict: bool,
     /// Rate at which positions are requested, Hz.
     pub rate_hz: f64,
     /// Whether the autopilot's link carries datagrams or a stream.
@@ -83,6 +87,7 @@ impl<'a> Settings<'a> {
             feed_forward: FeedForward::Ramp,
             take_off: false,
             wait_for: 1,
+            strict: false,
             rate_hz: 5.0,
             source: Source::Datagrams,
             autopilot_signing: LinkSigning::off(),
@@ -91,6 +96,14 @@ impl<'a> Settings<'a> {
             advice: String::new(),
             mission,
         }
+    }
+
+    /// What the node wants of the autopilot's parameters.
+    pub(super) fn reliance(&self) -> Reliance {
+        let scale = self.mission.scale;
+        let cap = SPEED_CAP_U as f32;
+        let speeds = Speeds { speed_mps: scale.mps(cap), acceleration_mps2: scale.mps2(cap) };
+        Reliance { strict: self.strict, speeds }
     }
 }
 

@@ -29,9 +29,6 @@ use firmware_core::geometry::State;
 
 /// Between two HEARTBEATs of the node, ms.
 const HEARTBEAT_MS: i64 = 1000;
-/// In lock-step an answer waits for other UAVs' messages for so long, ms of the host's clock: less than the
-/// simulation waits for the answer.
-const HELD_MS: u64 = 1000;
 
 /// Flies one UAV.
 #[derive(Debug)]
@@ -53,8 +50,6 @@ pub struct Node<'a> {
     pub(super) started: bool,
     /// That the vehicle stands at another place than the mission's was told.
     pub(super) place_told: bool,
-    /// Since when the answer to a position waits for the decision, ms of the host's monotonic clock.
-    held_ms: Option<u64>,
     /// The vehicle is being braked, to be let go.
     pub(super) ending: Option<Ending>,
     /// Notices of what the operator asked for, until the next turn.
@@ -81,6 +76,7 @@ impl<'a> Node<'a> {
             settings.rate_hz,
             settings.vehicle_system,
             (settings.system, COMPONENT),
+            settings.reliance(),
         );
         let decisions = DecisionLoop::new(
             settings.id,
@@ -104,7 +100,6 @@ impl<'a> Node<'a> {
             host_clock: HostClockFallback::default(),
             started: false,
             place_told: false,
-            held_ms: None,
             ending: None,
             answers: Vec::new(),
             heartbeat_ms: i64::MIN / 2,
@@ -199,7 +194,7 @@ impl<'a> Node<'a> {
             link_ms: self.links.autopilot_age_ms(now),
             swarm_ms: self.links.swarm_age_ms(now),
             neighbours: self.decisions.neighbours(),
-            battery: vehicle.battery,
+            battery: vehicle.battery_percent(),
         }
     }
 
@@ -240,7 +235,7 @@ impl<'a> Node<'a> {
             }
             let step = self.decisions.proceed();
             let decided = self.take_step(step, now, out);
-            if self.held_ms.is_some() {
+            if self.gate.owes_answer() {
                 self.answer_unless_held(now, out);
             } else if decided {
                 self.ask_gate(now, SetpointFilter::Any, out);
@@ -260,7 +255,7 @@ impl<'a> Node<'a> {
         if let Some(filter) = self.gate.overdue(self.autopilot.state.now_ms(), now) {
             self.ask_gate(now, filter, out);
         }
-        if self.held_ms.is_some_and(|since_ms| now.wall_ms.saturating_sub(since_ms) >= HELD_MS) {
+        if self.gate.owes_answer_since(now) {
             self.answer(now, out);
         }
         self.send_heartbeat(now, out);
@@ -326,8 +321,8 @@ impl<'a> Node<'a> {
             out.notices.push(Notice::info("the vehicle was brought up by its operator: flying the mission"));
             self.start();
         }
+        self.gate.position_arrived(now);
         self.check_height(out);
-        self.held_ms = Some(now.wall_ms);
         self.answer_unless_held(now, out);
     }
 
@@ -341,9 +336,8 @@ impl<'a> Node<'a> {
     }
 
     fn answer(&mut self, now: HostTime, out: &mut NodeOutput) {
-        self.held_ms = None;
         self.ask_gate(now, SetpointFilter::Any, out);
-        self.gate.position_arrived();
+        self.gate.position_answered();
     }
 
     fn run_decision_loop(&mut self, common_ms: i64, odometry: &Odometry, now: HostTime, out: &mut NodeOutput) {
@@ -389,7 +383,7 @@ impl<'a> Node<'a> {
         };
         let flew = self.gate.phase() == Phase::Flight;
         let inputs = gate_inputs(&mut self.autopilot, &context, now);
-        let mut output = self.gate.tick(&inputs, now, filter, self.autopilot.firmware());
+        let mut output = self.gate.tick(&inputs, now, filter, self.autopilot.takes_early_setpoints());
         let mut closes = false;
         if !flew && let Some(refusal) = self.refusal() {
             self.autopilot.give_up(&refusal, &mut out.notices);
@@ -408,7 +402,8 @@ impl<'a> Node<'a> {
         }
         out.notices.extend(output.notice);
         // An order of the operator is under way already, and may be a landing.
-        if output.return_home && !self.autopilot.has_order() {
+        let return_home = output.return_home || (self.gate.gives_up_bring_up() && self.autopilot.climbs());
+        if return_home && !self.autopilot.has_order() {
             self.autopilot.return_home(self.timebase.now_ms());
         }
         if let Some(setpoint) = &output.setpoint {
@@ -417,6 +412,7 @@ impl<'a> Node<'a> {
             self.decisions.commanded(boot_ms, [si(setpoint.velocity.east), si(setpoint.velocity.north)]);
             let message = SetPositionTargetLocalNed::new(boot_ms, setpoint);
             self.send(&message.payload(self.target()), now, out);
+            self.autopilot.note_setpoint();
         }
         if closes {
             // The gate closes behind the last setpoint.
@@ -439,6 +435,9 @@ impl<'a> Node<'a> {
         let command = self.autopilot.poll(self.timebase.now_ms(), clearance, &mut out.notices);
         if let Some(command) = command {
             self.send(&command.payload(self.target()), now, out);
+        }
+        if let Some(request) = self.autopilot.poll_parameters(self.timebase.now_ms()) {
+            self.send(&request.payload(self.target()), now, out);
         }
         if self.autopilot.stage() == Stage::Failed && self.gate.phase() == Phase::BringUp {
             self.end(false);

@@ -1,15 +1,11 @@
 //! From an action to velocity and acceleration setpoints.
 
+use crate::autopilot::{STANDING_S, STANDING_SPEED};
 use crate::mission::Scale;
 use firmware_core::action::Action;
 use firmware_core::gate::Vector;
 use firmware_core::geometry::{SPEED_CAP_U, Vec2};
 
-/// An autopilot goes on with the last setpoint, acceleration and all, for this long: ArduPilot's default
-/// GUID_TIMEOUT, s.
-const STANDING_S: f64 = 3.0;
-/// By then it may be so many times as fast as the greatest speed of the scenario.
-const STANDING_SPEED: f64 = 1.24;
 /// Between two setpoints at 5 Hz, s.
 const PERIOD_S: f64 = 0.2;
 

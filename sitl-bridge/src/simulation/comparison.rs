@@ -60,7 +60,8 @@ fn difference(id: usize, decision: &Decision, observation: u64, action: Action) 
 
 fn compare_situations(mut evaluation: ReferenceEvaluation<'_>, flight: &mut WorldFlight) {
     for (step, row) in flight.decisions.iter().enumerate() {
-        let states: Option<Vec<State>> = flight.states[step].iter().copied().collect();
+        // The states that were observed, which are ahead of those measured.
+        let states: Option<Vec<State>> = row.iter().map(|decision| Some((*decision)?.state)).collect();
         let Some(expected) = states.and_then(|states| evaluation.evaluate(step as u32, &states)) else { continue };
         for (id, (decision, (observation, action))) in (0u16..).zip(row.iter().zip(expected)) {
             let Some(decision) = decision else { continue };

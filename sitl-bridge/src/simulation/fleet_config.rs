@@ -56,7 +56,10 @@ pub(super) fn fleet_config(
     for vehicle in config["vehicles"].as_array_mut().into_iter().flatten() {
         vehicle["dialect"] = dialect.into();
     }
+    // The failsafe that watches the nodes, each by its own system.
+    let watched = json!({"FS_GCS_ENABLE": 1, "MAV_GCS_SYSID": 1, "MAV_GCS_SYSID_HI": 254});
     let own = json!({
+        "parameters": if sim.px4 { json!({}) } else { watched },
         "map_side_u": mission.side_u,
         "rate_hz": sim.rate_hz,
         "dynamics": if sim.ideal { "ideal" } else { "point" },

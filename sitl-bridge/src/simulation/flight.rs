@@ -198,7 +198,12 @@ fn settings<'a>(
     let limits = gate_limits(base, mission);
     Settings {
         pois: Arc::clone(pois),
-        timing: StepTiming { pace: if sim.speed.is_none() { Pace::LockStep } else { Pace::Heard }, ..sim.timing },
+        timing: StepTiming {
+            pace: if sim.speed.is_none() { Pace::LockStep } else { Pace::Heard },
+            // The scenario's own dynamics are behind nothing.
+            lead_ms: if sim.ideal { 0 } else { sim.timing.lead_ms },
+            ..sim.timing
+        },
         limits,
         feed_forward: if sim.ideal { FeedForward::Action } else { FeedForward::Ramp },
         take_off: true,

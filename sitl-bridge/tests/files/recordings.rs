@@ -47,6 +47,7 @@ fn settings<'a>(actor: Actor<'a>, mission: &Mission, record: bool) -> Settings<'
         feed_forward: FeedForward::Ramp,
         take_off: true,
         wait_for: 1,
+        strict: false,
         rate_hz: 5.0,
         source: Source::Datagrams,
         autopilot_signing: LinkSigning::off(),
@@ -93,7 +94,7 @@ impl Recorded {
         let mut settings = settings(Actor::load(bytes).unwrap(), &mission, true);
         if !with_notes {
             // As earlier versions flew.
-            settings.timing.pace = Pace::Deadlines;
+            (settings.timing.pace, settings.timing.lead_ms) = (Pace::Deadlines, 0);
         }
         let mut tlog = TlogWriter::to(memory).unwrap();
         if with_notes {

@@ -185,7 +185,9 @@ struct Process {
 impl Process {
     fn start(mission: &std::path::Path) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_sitl-bridge"))
-            .args(["fly", "--id", "0", "--takeoff", "--simulated", "--autopilot", "udpin:127.0.0.1:0", "--mission"])
+            .args(["fly", "--id", "0", "--takeoff", "--simulated", "--autopilot", "udpin:127.0.0.1:0"])
+            // The ground station's id, so that the autopilot's failsafe watches the node.
+            .args(["--system", "255", "--mission"])
             .arg(mission)
             .stderr(Stdio::piped())
             .stdin(Stdio::null())
@@ -224,7 +226,7 @@ fn a_killed_node_leaves_the_autopilots_own_timeout_to_stop_it() {
         "origin": {"lat": Origin::default().lat, "lon": Origin::default().lon, "alt": Origin::default().alt_m},
         "epoch_unix_ms": START_MS, "unix_ms": START_MS, "speed": 30, "lockstep_timeout_s": 10,
         // As docs/safety.md tells to set it.
-        "guided_timeout_s": 1,
+        "guided_timeout_s": 1, "parameters": {"FS_GCS_ENABLE": 1},
     });
     let python = sitl_bridge::simulation::find_python(None);
     let mut fleet = sitl_bridge::simulation::Fleet::start(&python, "simlink", &config, false).unwrap();

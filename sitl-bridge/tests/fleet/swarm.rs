@@ -60,7 +60,8 @@ impl Swarm {
             .map(|(id, links)| {
                 let settings = Settings {
                     id,
-                    system: system_of(id).expect("few"),
+                    // The ground station's, so that the autopilots' failsafe watches the nodes.
+                    system: 255,
                     vehicle_system: system_of(id).expect("few"),
                     actor,
                     mission: Arc::clone(&mission),
@@ -70,6 +71,7 @@ impl Swarm {
                     feed_forward: FeedForward::Ramp,
                     take_off: true,
                     wait_for: 1,
+                    strict: false,
                     rate_hz: 5.0,
                     source: links.autopilot.source(),
                     autopilot_signing: LinkSigning::off(),
@@ -135,6 +137,7 @@ fn fleet_config(plan: &Plan, ports: &[u16]) -> Value {
         "step_ms": plan.mission.scale.step_ms,
         "map_side_u": plan.mission.side_u,
         "epoch_unix_ms": plan.mission.epoch_unix_ms,
+        "parameters": {"FS_GCS_ENABLE": 1},
         // A busy computer is no fault.
         "lockstep_timeout_s": 10,
     });

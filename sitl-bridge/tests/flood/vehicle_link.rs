@@ -79,10 +79,15 @@ impl VehicleLink {
     pub fn tick(&mut self) -> Duration {
         self.send_tick();
         let sent = Instant::now();
-        while !self.vehicle.is_answered() {
+        while !self.is_answered() {
             self.hear();
         }
         sent.elapsed()
+    }
+
+    /// Whether a setpoint has answered what the vehicle told last.
+    fn is_answered(&self) -> bool {
+        self.vehicle.setpoints.last().is_some_and(|setpoint| setpoint.boot_ms == self.vehicle.boot_ms)
     }
 
     /// Lets a second of the vehicle's time pass. The node sends one HEARTBEAT in it, which is waited for.

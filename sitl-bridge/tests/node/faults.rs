@@ -361,13 +361,15 @@ fn battery_low() {
     for phase in FLIGHT {
         expect(phase, Reason::BatteryLow, |f| f.vehicle.battery = 20, tick);
     }
-    // In takeoff: once up, it is sent home.
+    // In takeoff too, before it is up.
     let mut flight = in_phase(Phase::Takeoff);
     let since = Since::now(&flight);
     flight.vehicle.battery = 20;
+    let height_mm = flight.vehicle.height_mm;
+    flight.vehicle.ceiling_mm = Some(height_mm + 2000.0);
     assert!(flight.until(20, |f| f.vehicle.custom_mode == RTL), "{:?}", flight.words());
     flight.ticks(50);
-    assert!(since.commands(&flight) == [mav_cmd::DO_SET_MODE] && flight.vehicle.height_mm >= 11_000.0);
+    assert!(since.commands(&flight) == [mav_cmd::DO_SET_MODE] && flight.vehicle.height_mm < 11_000.0);
     assert!(since.setpoints(&flight).len() <= 15, "{:?}", since.setpoints(&flight));
 }
 

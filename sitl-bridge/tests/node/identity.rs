@@ -134,7 +134,7 @@ fn rates_that_are_of_no_use_are_not_asked_for_all_the_time() {
     flight.vehicle.without_positions = true;
     flight.ticks(600);
     // Two minutes: at 3, 9, 21, 45, 69 and 93 s, and at the start.
-    assert!(flight.vehicle.commands.len() <= 8 * 8, "{}", flight.vehicle.commands.len());
+    assert!(flight.vehicle.commands.len() <= 9 * 8, "{}", flight.vehicle.commands.len());
     let told = flight.notices.iter().filter(|n| n.text.contains("message rates again")).count();
     assert_eq!(told, 1, "{:?}", flight.words());
 }

@@ -75,7 +75,7 @@ fn neighbour_vanishes() {
 fn neighbour_teleports() {
     let (mut a, mut b) = two();
     let before = a.vehicle.setpoints.len();
-    b.vehicle.place.east_mm += 150_000.0;
+    b.vehicle.place.east_mm += 120_000.0;
     together(&mut a, &mut b, TICKS, |_| true);
     flew_on(&a, before);
     // Once not believed, then confirmed where it is: out of range.

@@ -6,6 +6,7 @@ use sitl_bridge::autopilot::Firmware;
 use sitl_bridge::frame::{Encoder, Frame};
 use sitl_bridge::messages::{Telemetry, VELOCITY_AND_ACCELERATION, mav_cmd};
 use sitl_bridge::mission::{Mission, Place};
+use std::collections::BTreeMap;
 
 /// A SET_POSITION_TARGET_LOCAL_NED as it arrived.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,6 +52,8 @@ pub struct Vehicle {
     asked: [f64; 2],
     pub healthy: bool,
     pub battery: i8,
+    /// Batteries told of by themselves: id, MAV_BATTERY_FUNCTION, percent.
+    pub batteries: Vec<(u8, u8, i8)>,
     /// Commands heard: MAV_CMD and the parameters.
     pub commands: Vec<(u16, [f32; 7])>,
     pub setpoints: Vec<Setpoint>,
@@ -59,6 +62,16 @@ pub struct Vehicle {
     pub refuse: Option<(u16, u8, &'static str)>,
     /// Commands are not answered.
     pub mute: bool,
+    /// This command is neither carried out nor answered.
+    pub ignore: Option<u16>,
+    /// This command is carried out, and its answer is lost.
+    pub lose_answers: Option<u16>,
+    /// No HEARTBEAT is sent.
+    pub without_heartbeats: bool,
+    /// It climbs no higher, mm.
+    pub ceiling_mm: Option<f64>,
+    /// PX4 leaves OFFBOARD for AUTO.LOITER after so long without setpoints, ms.
+    pub offboard_loss_ms: Option<u32>,
     /// SYSTEM_TIME has the time of day.
     pub knows_time: bool,
     pub with_local: bool,
@@ -74,14 +87,48 @@ pub struct Vehicle {
     pub unix_rate: f64,
     /// No positions are sent.
     pub without_positions: bool,
+    /// Parameters that are told when asked for; by default none that costs anything.
+    pub parameters: BTreeMap<&'static str, f32>,
+    /// Names that were asked for.
+    pub asked_for: Vec<String>,
     encoder: Encoder,
     replies: Vec<Frame>,
     ticks: u32,
     streamed_ms: Option<u32>,
+    /// Time without setpoints, ms.
+    unstreamed_ms: u32,
     mission: Mission,
 }
 
 pub const TICK_MS: u32 = 200;
+
+/// PX4's parameters that are whole numbers.
+const INTEGERS: [&str; 3] = ["COM_OBL_RC_ACT", "NAV_DLL_ACT", "GF_ACTION"];
+
+/// What `docs/safety.md` recommends.
+fn parameters(firmware: Firmware) -> BTreeMap<&'static str, f32> {
+    let all: &[(&str, f32)] = match firmware {
+        Firmware::ArduPilot => &[
+            ("GUID_TIMEOUT", 1.0),
+            ("FS_GCS_ENABLE", 1.0),
+            ("MAV_GCS_SYSID", 1.0),
+            ("MAV_GCS_SYSID_HI", 255.0),
+            ("RTL_ALT_M", 5.0),
+            ("FENCE_ENABLE", 1.0),
+            ("FENCE_ACTION", 1.0),
+            ("FENCE_TYPE", 7.0),
+            ("FENCE_ALT_MAX", 100.0),
+        ],
+        Firmware::Px4 => &[
+            ("COM_OF_LOSS_T", 1.0),
+            ("COM_OBL_RC_ACT", 5.0),
+            ("NAV_DLL_ACT", 2.0),
+            ("RTL_RETURN_ALT", 5.0),
+            ("GF_ACTION", 3.0),
+        ],
+    };
+    all.iter().copied().collect()
+}
 
 impl Vehicle {
     pub fn new(firmware: Firmware, mission: &Mission, at: Vec2) -> Self {
@@ -105,11 +152,17 @@ impl Vehicle {
             asked: [0.0; 2],
             healthy: true,
             battery: 90,
+            batteries: Vec::new(),
             commands: Vec::new(),
             setpoints: Vec::new(),
             heartbeats: 0,
             refuse: None,
             mute: false,
+            ignore: None,
+            lose_answers: None,
+            without_heartbeats: false,
+            ceiling_mm: None,
+            offboard_loss_ms: None,
             knows_time: true,
             with_local: true,
             broken: false,
@@ -118,10 +171,13 @@ impl Vehicle {
             waits_for_rates: false,
             unix_rate: 1.0,
             without_positions: false,
+            parameters: parameters(firmware),
+            asked_for: Vec::new(),
             encoder: Encoder::new(7, 1),
             replies: Vec::new(),
             ticks: 0,
             streamed_ms: None,
+            unstreamed_ms: 0,
             mission: mission.clone(),
         }
     }
@@ -134,7 +190,16 @@ impl Vehicle {
         let dt = f64::from(TICK_MS) / 1000.0;
         let height_mm = self.height_mm;
         if let Some(target) = self.target_mm {
+            let target = self.ceiling_mm.map_or(target, |ceiling| target.min(ceiling));
             self.height_mm += (target - self.height_mm).clamp(-500.0, 500.0);
+        }
+        self.unstreamed_ms += TICK_MS;
+        if self.offboard_loss_ms.is_some_and(|loss_ms| self.unstreamed_ms > loss_ms)
+            && self.firmware == Firmware::Px4
+            && self.is_guided()
+        {
+            self.custom_mode = (3 << 24) | (4 << 16);
+            self.velocity = [0.0; 2];
         }
         self.height_mm += self.climb * dt * 1000.0;
         self.climbs = (self.height_mm - height_mm) / dt / 1000.0;
@@ -147,7 +212,9 @@ impl Vehicle {
         self.place.north_mm += self.velocity[1] * dt * 1000.0;
         let mut out = std::mem::take(&mut self.replies);
         if self.ticks % 5 == 1 {
-            out.push(self.heartbeat());
+            if !self.without_heartbeats {
+                out.push(self.heartbeat());
+            }
             if self.waits_for_rates {
                 return out;
             }
@@ -168,6 +235,11 @@ impl Vehicle {
             let mut status = [0; 31];
             status[30] = self.battery.to_le_bytes()[0];
             out.push(self.frame(1, &status));
+            for (id, function, percent) in self.batteries.clone() {
+                let mut status = [0; 36];
+                (status[32], status[33], status[35]) = (id, function, percent.to_le_bytes()[0]);
+                out.push(self.frame(147, &status));
+            }
             let (lat, lon) = (self.mission.plane.lat_e7, self.mission.plane.lon_e7);
             out.push(self.frame(49, &[&lat.to_le_bytes()[..], &lon.to_le_bytes(), &[0; 4]].concat()));
             let unix_us = if self.knows_time { self.unix_ms as u64 * 1000 } else { 0 };
@@ -194,14 +266,14 @@ impl Vehicle {
         self.target_mm = self.target_mm.map(|target| target + by_mm);
     }
 
+    /// The next heartbeat comes in a second.
+    pub const fn restart_second(&mut self) {
+        self.ticks = 1;
+    }
+
     /// Whether the next tick tells of health, mode and time besides the position.
     pub const fn is_about_to_tell(&self) -> bool {
         self.ticks.is_multiple_of(5)
-    }
-
-    /// Whether a setpoint has answered what it told last.
-    pub fn is_answered(&self) -> bool {
-        self.setpoints.last().is_some_and(|setpoint| setpoint.boot_ms == self.boot_ms)
     }
 
     /// Horizontal, m/s.
@@ -275,10 +347,34 @@ impl Vehicle {
     pub fn hear(&mut self, frame: &Frame) {
         match frame.message_id() {
             0 => self.heartbeats += 1,
+            20 => self.tell_parameter(frame),
             76 => self.obey(frame),
             84 => self.follow(frame),
             other => panic!("the node sent message {other}"),
         }
+    }
+
+    /// Answers PARAM_REQUEST_READ.
+    fn tell_parameter(&mut self, frame: &Frame) {
+        let mut payload = frame.payload().to_vec();
+        payload.resize(20, 0);
+        assert_eq!(payload[..4], [0xff, 0xff, 7, 1], "by name, of this vehicle");
+        let name = String::from_utf8(payload[4..].iter().copied().take_while(|&byte| byte != 0).collect()).unwrap();
+        if let Some(&value) = self.parameters.get(name.as_str()).filter(|_| !self.mute) {
+            let answer = self.parameter(&name, value);
+            self.replies.push(answer);
+        }
+        self.asked_for.push(name);
+    }
+
+    /// PARAM_VALUE, with integers as each autopilot writes them.
+    pub fn parameter(&mut self, name: &str, value: f32) -> Frame {
+        let integer = self.firmware == Firmware::Px4 && INTEGERS.contains(&name);
+        let (bytes, kind) = if integer { ((value as i32).to_le_bytes(), 6) } else { (value.to_le_bytes(), 9) };
+        let mut payload = [&bytes[..], &[0; 4], name.as_bytes()].concat();
+        payload.resize(24, 0);
+        payload.push(kind);
+        self.frame(22, &payload)
     }
 
     fn obey(&mut self, frame: &Frame) {
@@ -289,7 +385,7 @@ impl Vehicle {
         let id = u16::from_le_bytes([payload[28], payload[29]]);
         assert_eq!((payload[30], payload[31]), (7, 1), "addressed to somebody else");
         self.commands.push((id, params));
-        if self.mute {
+        if self.mute || self.ignore == Some(id) {
             return;
         }
         let result = match self.refuse {
@@ -300,6 +396,9 @@ impl Vehicle {
             }
             _ => self.carry_out(id, params),
         };
+        if self.lose_answers == Some(id) {
+            return;
+        }
         let ack = self.frame(77, &[&id.to_le_bytes()[..], &[result]].concat());
         self.replies.push(ack);
     }
@@ -316,6 +415,8 @@ impl Vehicle {
                 0
             }
             (mav_cmd::NAV_TAKEOFF, _) if !self.armed => 4,
+            // As ArduPilot refuses it in the air.
+            (mav_cmd::NAV_TAKEOFF, Firmware::ArduPilot) if self.height_mm > 0.0 || self.custom_mode != 4 => 4,
             (mav_cmd::NAV_TAKEOFF, Firmware::ArduPilot) => {
                 self.target_mm = Some(f64::from(params[6]) * 1000.0);
                 0
@@ -352,7 +453,7 @@ impl Vehicle {
         assert!(numbers.iter().all(|v| v.is_finite()), "a setpoint with {numbers:?}");
         assert_eq!(u16::from_le_bytes([payload[48], payload[49]]), VELOCITY_AND_ACCELERATION);
         assert_eq!((payload[50], payload[51], payload[52]), (7, 1, 1));
-        self.streamed_ms = Some(self.boot_ms);
+        (self.streamed_ms, self.unstreamed_ms) = (Some(self.boot_ms), 0);
         let setpoint = Setpoint {
             at_ms: self.boot_ms,
             boot_ms: u32::from_le_bytes(payload[..4].try_into().unwrap()),
@@ -369,6 +470,11 @@ impl Vehicle {
                 self.velocity = self.asked;
             }
         }
+    }
+
+    /// Whether a takeoff was accepted.
+    pub const fn takes_off(&self) -> bool {
+        self.target_mm.is_some()
     }
 
     pub fn is_guided(&self) -> bool {

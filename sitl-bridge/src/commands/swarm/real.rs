@@ -47,6 +47,10 @@ pub(super) struct RealArgs {
     /// Arm, take off and fly.
     #[arg(long)]
     takeoff: bool,
+    /// Refuse to start while a parameter of an autopilot costs what docs/safety.md says, or is not told;
+    /// otherwise warn.
+    #[arg(long, conflicts_with = "sim")]
+    strict: bool,
     /// Land where they are when this program ends.
     #[arg(long)]
     land_on_exit: bool,
@@ -85,6 +89,7 @@ impl RealArgs {
                 limits: gate_limits(base, &mission),
                 take_off: self.takeoff,
                 wait_for: shared.count,
+                strict: self.strict,
                 rate_hz: f64::from(shared.timing.rate_hz()),
                 source: links.autopilot.source(),
                 autopilot_signing: autopilot_signing.clone(),
