@@ -40,6 +40,7 @@ struct Queue {
     lost: u64,
     /// A text is being written.
     busy: bool,
+    /// Its reader is gone: nothing is kept for it.
     closed: bool,
 }
 
@@ -57,6 +58,9 @@ impl Outlet {
     pub fn write(&self, text: impl Into<String>) -> bool {
         let mut queue = self.shared.lock();
         let text = text.into();
+        if queue.closed {
+            return true;
+        }
         if queue.bytes + text.len() > MOST_WAITING && !queue.waiting.is_empty() {
             queue.lost += 1;
             return false;
@@ -120,7 +124,6 @@ impl Shared {
             let mut queue = self.lock();
             queue.busy = false;
             if written.is_err_and(|error| error.kind() == io::ErrorKind::BrokenPipe) {
-                // Nobody will ever read it.
                 (queue.closed, queue.waiting, queue.bytes) = (true, VecDeque::new(), 0);
             }
             self.changed.notify_all();

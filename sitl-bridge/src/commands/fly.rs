@@ -101,6 +101,7 @@ impl Fly {
             timing: self.timing.timing(mission.scale.step_ms)?,
             limits: gate_limits(base, &mission),
             take_off: self.takeoff,
+            wait_for: self.wait_for,
             strict: self.strict,
             rate_hz: f64::from(self.timing.rate_hz()),
             source: autopilot.source(),
@@ -117,7 +118,6 @@ impl Fly {
         };
         let mut node = Node::new(settings, self.signing.session(None)?).into_diagnostic()?;
         mission.layers.check(self.id).into_diagnostic()?;
-        node.start_together(self.wait_for);
         let mut control = RunControl::new(stop, self.land_on_exit);
         let console = Console::default();
         control.commands = Some(console.listener());

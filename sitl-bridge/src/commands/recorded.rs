@@ -17,6 +17,7 @@ pub(super) struct Recorded {
     pub feed_forward: FeedForward,
     pub timing: StepTiming,
     pub rate_hz: f64,
+    pub wait_for: u16,
 }
 
 impl Recorded {
@@ -29,7 +30,7 @@ impl Recorded {
             let (limits, feed_forward) = by_name(kind.unwrap_or("flight"));
             let rate_hz = f64::from(timing.rate_hz());
             let timing = StepTiming { pace: Pace::Deadlines, lead_ms: 0, ..timing.timing(step_ms)? };
-            return Ok(Self { limits, feed_forward, timing, rate_hz });
+            return Ok(Self { limits, feed_forward, timing, rate_hz, wait_for: 1 });
         };
         let flown = flight.get("limits").unwrap_or("flight");
         if let Some(kind) = kind.filter(|&kind| kind != flown) {
@@ -52,7 +53,8 @@ impl Recorded {
             ));
         }
         let (limits, feed_forward) = by_name(flown);
-        Ok(Self { limits, feed_forward, timing: recorded, rate_hz })
+        let wait_for = flight.number("wait_for").unwrap_or(1);
+        Ok(Self { limits, feed_forward, timing: recorded, rate_hz, wait_for })
     }
 }
 

@@ -92,6 +92,7 @@ impl ReplayTlog {
             limits: gate_limits(recorded.limits, &mission),
             feed_forward,
             take_off: info.took_off,
+            wait_for: recorded.wait_for,
             strict: info.flight.as_ref().and_then(|flight| flight.number::<u8>("strict")).is_some_and(|n| n != 0),
             rate_hz: recorded.rate_hz,
             source: Source::Datagrams,

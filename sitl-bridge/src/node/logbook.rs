@@ -25,6 +25,7 @@ impl Settings<'_> {
             .with("limits", limits.map_or("other", |(name, _)| name))
             .with("feed_forward", if self.feed_forward == FeedForward::Ramp { "ramp" } else { "action" })
             .with("take_off", u8::from(self.take_off))
+            .with("wait_for", self.wait_for)
             .with("strict", u8::from(self.strict))
             .with("rate_hz", self.rate_hz)
             .with("pace", self.timing.pace.name())

@@ -1,5 +1,6 @@
 //! Who else is in the air: UAVs that start together, or that share an id or an altitude layer.
 
+use super::settings::Settings;
 use crate::autopilot::Notice;
 use crate::mission::Layers;
 use std::collections::{BTreeMap, BTreeSet};
@@ -21,6 +22,8 @@ pub(super) struct Muster {
     heard: BTreeMap<u16, i64>,
     /// All were in the air at once, or the operator does not wait for them.
     complete: bool,
+    /// That it takes off after the others was told.
+    late: bool,
     /// UAVs on this one's layer that were told of.
     told: BTreeSet<u16>,
     /// Messages of others with the own id up to the last start.
@@ -28,20 +31,24 @@ pub(super) struct Muster {
 }
 
 impl Muster {
-    pub fn new(id: u16, layers: Layers, step_ms: u16) -> Self {
-        let (heard, told) = (BTreeMap::new(), BTreeSet::new());
-        Self { id, layers, step_ms, size: 1, heard, complete: false, told, collisions: 0 }
-    }
-
-    /// How many UAVs start together, this one included.
-    pub const fn set_size(&mut self, uavs: u16) {
-        self.size = uavs;
+    pub fn new(settings: &Settings<'_>) -> Self {
+        Self {
+            id: settings.id,
+            layers: settings.mission.layers,
+            step_ms: settings.mission.scale.step_ms,
+            size: settings.wait_for,
+            heard: BTreeMap::new(),
+            complete: false,
+            late: false,
+            told: BTreeSet::new(),
+            collisions: 0,
+        }
     }
 
     /// A new start: all have to be in the air again. `collisions` are the messages of others with the own id
     /// so far.
     pub const fn restart(&mut self, collisions: u64) {
-        (self.complete, self.collisions) = (false, collisions);
+        (self.complete, self.late, self.collisions) = (false, false, collisions);
     }
 
     /// The operator does not wait for the others.
@@ -58,10 +65,26 @@ impl Muster {
 
     /// Whether UAVs that start together with this one are still missing. Who is `airborne` counts itself.
     pub fn is_incomplete(&mut self, now_ms: i64, airborne: bool) -> bool {
-        let window_ms = HEARD_STEPS * i64::from(self.step_ms);
-        let others = self.heard.values().filter(|&&then| now_ms - then <= window_ms).count();
-        self.complete |= airborne && others + 1 >= usize::from(self.size);
+        self.complete |= airborne && self.others(now_ms) + 1 >= usize::from(self.size);
         !self.complete
+    }
+
+    /// Takes note that this UAV takes off. Returns a warning when others fly already that wait for nobody.
+    pub fn take_off(&mut self, now_ms: i64) -> Option<Notice> {
+        let others = self.others(now_ms);
+        let is_late = others >= usize::from(self.size) && !std::mem::replace(&mut self.late, true);
+        is_late.then(|| {
+            let uavs = if others == 1 { "a UAV flies".into() } else { format!("{others} UAVs fly") };
+            Notice::warning(format!(
+                "{uavs} already: on its way up this one crosses their layers (--wait-for lets UAVs start together)"
+            ))
+        })
+    }
+
+    /// How many other UAVs are in the air.
+    fn others(&self, now_ms: i64) -> usize {
+        let window_ms = HEARD_STEPS * i64::from(self.step_ms);
+        self.heard.values().filter(|&&then| now_ms - then <= window_ms).count()
     }
 
     /// Why this UAV must not take off among the others, if so. `collisions` are the messages of others with the

@@ -50,6 +50,9 @@ pub struct Settings<'a> {
     pub feed_forward: FeedForward,
     /// Whether the node arms the vehicle and takes off by itself.
     pub take_off: bool,
+    /// So many UAVs start together, this one included: none moves sideways before all of them are in the air.
+    /// With one each flies as soon as it is on its layer.
+    pub wait_for: u16,
     /// Whether a start is refused while a parameter of the autopilot costs what `docs/safety.md` says;
     /// otherwise it is warned of.
     pub strict: bool,
@@ -83,6 +86,7 @@ impl<'a> Settings<'a> {
             limits: gate_limits(Limits::default(), &mission),
             feed_forward: FeedForward::Ramp,
             take_off: false,
+            wait_for: 1,
             strict: false,
             rate_hz: 5.0,
             source: Source::Datagrams,

@@ -30,6 +30,9 @@ impl Node<'_> {
     /// Tells the operator who waits for a start what it waits for: while the gate lets nothing through the
     /// autopilot's client does not.
     pub(super) fn tell_what_is_missing(&mut self, out: &mut NodeOutput) {
+        if self.autopilot.is_taking_off() && !self.autopilot.is_airborne() {
+            out.notices.extend(self.muster.take_off(self.timebase.now_ms()));
+        }
         let (state, mission) = (&self.autopilot.state, &self.settings.mission);
         if !matches!(self.autopilot.stage(), Stage::Idle | Stage::BringUp | Stage::Subscribing) {
             return;

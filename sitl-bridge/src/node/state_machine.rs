@@ -93,7 +93,7 @@ impl<'a> Node<'a> {
             decisions,
             gate: GateDriver::new(gate),
             height_check: HeightCheck::new(settings.mission.heights.check_m),
-            muster: Muster::new(settings.id, settings.mission.layers, settings.mission.scale.step_ms),
+            muster: Muster::new(&settings),
             links: LinkMonitor::default(),
             refusals: [Link::Autopilot, Link::Swarm].map(Refusals::new),
             timebase: Timebase::default(),
@@ -115,12 +115,6 @@ impl<'a> Node<'a> {
     /// steps.
     pub fn set_epoch(&mut self, epoch_ms: Option<i64>) {
         self.decisions.set_epoch(epoch_ms);
-    }
-
-    /// So many UAVs start together, this one included: none moves sideways before all of them are in the
-    /// air. Otherwise each flies as soon as it is on its layer.
-    pub const fn start_together(&mut self, uavs: u16) {
-        self.muster.set_size(uavs);
     }
 
     /// The next sequence number of neighbour messages.

@@ -46,6 +46,7 @@ fn settings<'a>(actor: Actor<'a>, mission: &Mission, record: bool) -> Settings<'
         limits: gate_limits(Limits::default(), mission),
         feed_forward: FeedForward::Ramp,
         take_off: true,
+        wait_for: 1,
         strict: false,
         rate_hz: 5.0,
         source: Source::Datagrams,

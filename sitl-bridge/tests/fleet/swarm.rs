@@ -70,6 +70,7 @@ impl Swarm {
                     limits: gate_limits(plan.limits, &mission),
                     feed_forward: FeedForward::Ramp,
                     take_off: true,
+                    wait_for: 1,
                     strict: false,
                     rate_hz: 5.0,
                     source: links.autopilot.source(),

@@ -77,14 +77,17 @@ impl VehicleLink {
 
     /// Lets a tick pass, tells of it, and waits for its setpoint: how long that took.
     pub fn tick(&mut self) -> Duration {
-        self.hear_all();
-        let before = self.vehicle.setpoints.len();
         self.send_tick();
         let sent = Instant::now();
-        while self.vehicle.setpoints.len() == before {
+        while !self.is_answered() {
             self.hear();
         }
         sent.elapsed()
+    }
+
+    /// Whether a setpoint has answered what the vehicle told last.
+    fn is_answered(&self) -> bool {
+        self.vehicle.setpoints.last().is_some_and(|setpoint| setpoint.boot_ms == self.vehicle.boot_ms)
     }
 
     /// Lets a second of the vehicle's time pass. The node sends one HEARTBEAT in it, which is waited for.
@@ -112,22 +115,8 @@ impl VehicleLink {
     fn hear(&mut self) {
         let mut buffer = [0; 512];
         let len = self.socket.recv(&mut buffer).unwrap();
-        self.take(&buffer[..len]);
-    }
-
-    /// Takes in what has come already.
-    fn hear_all(&mut self) {
-        let mut buffer = [0; 512];
-        self.socket.set_nonblocking(true).unwrap();
-        while let Ok(len) = self.socket.recv(&mut buffer) {
-            self.take(&buffer[..len]);
-        }
-        self.socket.set_nonblocking(false).unwrap();
-    }
-
-    fn take(&mut self, datagram: &[u8]) {
         let mut reader = Reader::new(Source::Datagrams);
-        reader.push(datagram);
+        reader.push(&buffer[..len]);
         while let Some(frame) = reader.next_frame() {
             self.vehicle.hear(&frame);
         }

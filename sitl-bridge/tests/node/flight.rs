@@ -36,6 +36,7 @@ pub fn settings(id: u16, mission: &Mission, take_off: bool) -> Settings<'static>
         limits: gate_limits(Limits::simulation(), mission),
         feed_forward: FeedForward::Ramp,
         take_off,
+        wait_for: 1,
         strict: false,
         rate_hz: 5.0,
         source: Source::Datagrams,

@@ -101,9 +101,12 @@ fn a_vehicle_far_from_the_mission_is_told_of_with_the_distance() {
     }
 }
 
+/// What goes wrong, and what is said of it.
+type Cause = (fn(&mut Flight), &'static str);
+
 #[test]
 fn what_a_start_waits_for_is_told_while_the_gate_is_silent() {
-    let causes: [(fn(&mut Flight), &str); 2] = [
+    let causes: [Cause; 2] = [
         (|f| f.vehicle.healthy = false, "waiting for the estimator to trust its position"),
         (|f| f.vehicle.gps_fix = 1, "waiting for a 3D GPS fix"),
     ];

@@ -8,9 +8,15 @@ use sitl_bridge::autopilot::{Firmware, Stage};
 use sitl_bridge::node::{Settings, gate_limits};
 
 fn uav(id: u16, x: f32, layers: u16) -> Flight {
+    one_of(1, id, x, layers)
+}
+
+/// One of so many UAVs that start together.
+fn one_of(wait_for: u16, id: u16, x: f32, layers: u16) -> Flight {
     let mut mission = mission();
     mission.layers.count = layers;
-    let settings = Settings { limits: gate_limits(Limits::default(), &mission), ..settings(id, &mission, true) };
+    let limits = gate_limits(Limits::default(), &mission);
+    let settings = Settings { limits, wait_for, ..settings(id, &mission, true) };
     Flight::with(settings, Firmware::ArduPilot, Vec2::from_u(x, 100.0))
 }
 
@@ -29,10 +35,8 @@ fn is_waiting(flight: &Flight) -> bool {
 
 #[test]
 fn those_that_start_together_wait_for_the_last() {
-    let (mut a, mut b) = (uav(1, 100.0, 8), uav(2, 104.0, 8));
+    let (mut a, mut b) = (one_of(2, 1, 100.0, 8), one_of(2, 2, 104.0, 8));
     b.vehicle.healthy = false;
-    a.node.start_together(2);
-    b.node.start_together(2);
     together(&mut a, &mut b, 300);
     assert!(is_waiting(&a) && a.vehicle.setpoints.iter().all(|s| s.velocity == [0.0; 2]), "{:?}", a.words());
     assert!(a.decisions.len() > 5, "it decides meanwhile");
@@ -47,6 +51,7 @@ fn those_that_start_together_wait_for_the_last() {
     assert!((b.vehicle.height_mm - 9000.0).abs() <= 1000.0, "{}", b.vehicle.height_mm);
     together(&mut a, &mut b, 60);
     assert!(a.vehicle.speed() > 0.5 || b.vehicle.speed() > 0.5);
+    assert!(!a.said("crosses their layers") && !b.said("crosses their layers"), "{:?}", b.words());
     // Who is lost later does not stop the others.
     a.ticks(100);
     assert_eq!(a.node.verdict().reason(), None);
@@ -54,8 +59,7 @@ fn those_that_start_together_wait_for_the_last() {
 
 #[test]
 fn the_operator_need_not_wait_for_the_last() {
-    let mut a = uav(1, 100.0, 8);
-    a.node.start_together(3);
+    let mut a = one_of(3, 1, 100.0, 8);
     assert!(a.until(90, is_waiting), "{:?}", a.words());
     a.ticks(50);
     assert!(is_waiting(&a));
@@ -115,4 +119,16 @@ fn a_uav_beyond_the_layers_is_refused_before_the_bring_up() {
     assert_eq!(a.node.stage(), Stage::Failed);
     assert!(a.said("not flying: UAV 9 has no altitude layer of its own: the mission has 8"), "{:?}", a.words());
     assert!(commands(&a.vehicle).is_empty() && a.vehicle.setpoints.is_empty());
+}
+
+#[test]
+fn who_takes_off_after_the_others_is_told_so() {
+    let (mut a, mut b) = (uav(1, 100.0, 8), uav(2, 104.0, 8));
+    assert!(b.until(60, |f| f.node.stage() == Stage::Flying));
+    together(&mut a, &mut b, 200);
+    assert_eq!(a.node.stage(), Stage::Flying, "{:?}", a.words());
+    let told =
+        a.notices.iter().filter(|n| n.warning && n.text.starts_with("a UAV flies already: on its way up")).count();
+    assert_eq!(told, 1, "{:?}", a.words());
+    assert!(!b.said("crosses their layers"));
 }

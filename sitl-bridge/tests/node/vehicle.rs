@@ -13,6 +13,8 @@ use std::collections::BTreeMap;
 pub struct Setpoint {
     /// Vehicle's clock when it arrived, ms.
     pub at_ms: u32,
+    /// Time in it: vehicle's clock as the node last heard it, ms.
+    pub boot_ms: u32,
     /// East and north, m/s.
     pub velocity: [f32; 2],
     /// Up, m/s.
@@ -454,6 +456,7 @@ impl Vehicle {
         (self.streamed_ms, self.unstreamed_ms) = (Some(self.boot_ms), 0);
         let setpoint = Setpoint {
             at_ms: self.boot_ms,
+            boot_ms: u32::from_le_bytes(payload[..4].try_into().unwrap()),
             velocity: [numbers[4], numbers[3]],
             climb: -numbers[5],
             acceleration: [numbers[7], numbers[6]],

@@ -88,6 +88,7 @@ impl RealArgs {
                 timing: shared.timing.timing(mission.scale.step_ms)?,
                 limits: gate_limits(base, &mission),
                 take_off: self.takeoff,
+                wait_for: shared.count,
                 strict: self.strict,
                 rate_hz: f64::from(shared.timing.rate_hz()),
                 source: links.autopilot.source(),
@@ -99,9 +100,7 @@ impl RealArgs {
             };
             let settings = Settings { system: self.system.unwrap_or(settings.system), ..settings };
             say(&format!("UAV {id}: {}", links.autopilot.describe()));
-            let mut node = Node::new(settings, shared.signing.session(Some(id))?).into_diagnostic()?;
-            node.start_together(shared.count);
-            nodes.push((node, links));
+            nodes.push((Node::new(settings, shared.signing.session(Some(id))?).into_diagnostic()?, links));
         }
         let console = Console::default();
         let (events, received) = channel();
