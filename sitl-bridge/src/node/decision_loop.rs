@@ -10,6 +10,7 @@
 
 use super::counters::Counters;
 use super::decision::{Decision, StepStart, observation_hash};
+use super::decision_step::{Measurement, Sequence, Step, StepOutput};
 use super::roll_call::RollCall;
 use super::step_timing::{Pace, StepTiming};
 use super::velocity_profile::VelocityProfile;
@@ -28,64 +29,6 @@ const MAX_EARLY: usize = 128;
 const COMMANDED_MS: i32 = 1000;
 /// A step number ahead of the last by more than this comes from another clock.
 const MAX_SKIPPED: u32 = 1000;
-
-/// A measured state on the map, with its time on both clocks.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Measurement {
-    /// The common clock: Unix time, ms.
-    pub common_ms: i64,
-    /// `time_boot_ms`.
-    pub boot_ms: u32,
-    /// Position and velocity, ticks and ticks/step.
-    pub state: State,
-    /// Velocity east and north, m/s.
-    pub velocity_mps: [f64; 2],
-}
-
-/// What a measurement led to.
-#[derive(Clone, Debug, Default)]
-pub(super) struct StepOutput {
-    /// The step that started with it.
-    pub started: Option<StepStart>,
-    /// Messages to broadcast, in this order.
-    pub messages: Vec<Message>,
-    /// The decision that was due.
-    pub decision: Option<Decision>,
-}
-
-/// A step under way.
-#[derive(Clone, Debug)]
-struct Step {
-    /// Its number, and the common clock when it started.
-    start: Moment,
-    start_ms: i64,
-    state: State,
-    beacons: u32,
-    /// Whether it is to be decided: the UAV was in the air when it started, at or after the epoch.
-    is_active: bool,
-    /// Whether the step before it was decided too. In its first step a UAV cannot know who is there: it
-    /// observes at the deadline.
-    knows_others: bool,
-    /// The decision as far as it is known after encoding.
-    encoded: Option<Decision>,
-    /// Whether features were told, so that those of others count.
-    uses_features: bool,
-    decided: bool,
-}
-
-/// Sequence numbers of one kind of message: the next, once one was sent.
-#[derive(Clone, Copy, Debug, Default)]
-struct Sequence(Option<u16>);
-
-impl Sequence {
-    /// The next number. The first follows from the common clock, in tenths of a second, so that a node
-    /// that is restarted continues after the numbers that it used before.
-    fn next(&mut self, common_ms: i64) -> u16 {
-        let sequence = self.0.unwrap_or((common_ms / 100) as u16);
-        self.0 = Some(sequence.wrapping_add(1));
-        sequence
-    }
-}
 
 /// Makes the decisions of one UAV.
 #[derive(Clone, Debug)]

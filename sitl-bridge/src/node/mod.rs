@@ -8,6 +8,7 @@ mod autopilot_link;
 mod counters;
 mod decision;
 mod decision_loop;
+mod decision_step;
 mod ending;
 mod gate_driver;
 mod gate_inputs;

@@ -2,7 +2,8 @@
 
 use super::autopilot_link::AutopilotLink;
 use super::counters::Counters;
-use super::decision_loop::{DecisionLoop, Measurement, StepOutput};
+use super::decision_loop::DecisionLoop;
+use super::decision_step::{Measurement, StepOutput};
 use super::ending::{Ending, last_setpoint};
 use super::gate_driver::{GateDriver, SetpointFilter};
 use super::gate_inputs::{GateContext, gate_inputs};
