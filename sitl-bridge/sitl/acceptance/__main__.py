@@ -10,8 +10,8 @@ from pathlib import Path
 
 from sitl import arducopter, px4
 from sitl.acceptance import faults, flights, takeovers, worlds
+from sitl.acceptance.bench import Bench
 from sitl.acceptance.case import ARDUCOPTER, PX4, Case, Failure, NotRun
-from sitl.acceptance.rig import Bench
 from sitl.process import SitlError
 
 _SMALL = [*flights.CASES, *takeovers.CASES, *faults.CASES]

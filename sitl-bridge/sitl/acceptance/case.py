@@ -2,10 +2,8 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from sitl.acceptance.rig import Bench
+from sitl.acceptance.bench import Bench
 
 ARDUCOPTER, PX4 = "ArduCopter", "PX4"
 
@@ -24,7 +22,7 @@ class Case:
 
     name: str
     expected: str
-    run: Callable[["Bench"], str]
+    run: Callable[[Bench], str]
     autopilots: tuple[str, ...] = (ARDUCOPTER, PX4)
 
 

@@ -8,8 +8,9 @@ import time
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from sitl.acceptance.bench import Bench
 from sitl.acceptance.case import ARDUCOPTER, Case, NotRun, expect
-from sitl.acceptance.rig import Bench, Rig, free_port
+from sitl.acceptance.rig import Rig, free_port
 from sitl.process import Process
 
 _FORCED = 20_190_226
@@ -24,7 +25,7 @@ def _reboot(rig: Rig, limit_s: float = 60) -> None:
 
 
 def _reboot_on_the_ground(bench: Bench) -> str:
-    with bench.rig() as rig:
+    with Rig(bench) as rig:
         node = rig.node(takes_off=False)
         rig.until(lambda: node.said(", system 1") and rig.clock_ms > 10_000, "the node hears the vehicle", node)
         heard = len(node.text)
@@ -36,7 +37,7 @@ def _reboot_on_the_ground(bench: Bench) -> str:
 
 
 def _reboot_in_flight(bench: Bench) -> str:
-    with bench.rig() as rig:
+    with Rig(bench) as rig:
         node = rig.flying()
         heard = len(node.text)
         _reboot(rig)
@@ -49,7 +50,7 @@ def _reboot_in_flight(bench: Bench) -> str:
 
 
 def _gps_loss(bench: Bench) -> str:
-    with bench.rig() as rig:
+    with Rig(bench) as rig:
         node = rig.flying()
         heard = len(node.text)
         for name in ("SIM_GPS1_ENABLE", "SIM_GPS_DISABLE"):  # 4.6 and later, earlier
@@ -68,7 +69,7 @@ def _teach_key(rig: Rig, key: bytes) -> None:
 
 
 def _keyed(bench: Bench, nodes_key: str | None) -> tuple[Rig, list[str]]:
-    rig = bench.rig()
+    rig = Rig(bench)
     rig.until(lambda: rig.clock_ms > 8000, "the vehicle runs")
     _teach_key(rig, hashlib.sha256(b"the swarm's passphrase").digest())
     rig.spend(2)

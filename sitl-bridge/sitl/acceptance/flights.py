@@ -2,10 +2,11 @@
 
 import math
 
+from sitl.acceptance.bench import Bench
 from sitl.acceptance.case import ARDUCOPTER, PX4, Case, expect
 from sitl.acceptance.modes import controlled
 from sitl.acceptance.node import Node
-from sitl.acceptance.rig import Bench, Rig
+from sitl.acceptance.rig import Rig
 
 _FAST_MPS = {ARDUCOPTER: 4.3, PX4: 3.6}
 """PX4's own velocity control is slower: from 5 m/s asked for in a step of 2 s it makes about 4 (SIH)."""
@@ -13,7 +14,7 @@ _STANDING_S = 14.0
 
 
 def _bring_up(bench: Bench) -> str:
-    with bench.rig() as rig:
+    with Rig(bench) as rig:
         node = rig.flying()
         rig.spend(10)
         expect(rig.is_in(controlled(rig.autopilot)), f"mode {rig.mode}")
@@ -29,7 +30,7 @@ def _fast(rig: Rig) -> None:
 
 
 def _order(bench: Bench, line: str, mode: str) -> str:
-    with bench.rig() as rig:
+    with Rig(bench) as rig:
         node = rig.flying()
         _fast(rig)
         node.type(line)
@@ -52,7 +53,7 @@ def _unix_of(rig: Rig, boot_ms: float) -> float:
 
 
 def _let_go(bench: Bench, act: str) -> str:
-    with bench.rig() as rig:
+    with Rig(bench) as rig:
         node = rig.flying()
         _fast(rig)
         if act == "release":
@@ -67,7 +68,7 @@ def _let_go(bench: Bench, act: str) -> str:
 
 def _kill(bench: Bench, timeout_s: float, limit_m: float) -> str:
     name = "GUID_TIMEOUT" if bench.autopilot == ARDUCOPTER else "COM_OF_LOSS_T"
-    with bench.rig(parameters={name: timeout_s}) as rig:
+    with Rig(bench, parameters={name: timeout_s}) as rig:
         node = rig.flying()
         _fast(rig)
         speed = rig.speed
@@ -79,7 +80,7 @@ def _kill(bench: Bench, timeout_s: float, limit_m: float) -> str:
 
 def _killed_watched(bench: Bench, system: int) -> str:
     """Whether ArduPilot's ground-station failsafe returns a vehicle whose node is killed."""
-    with bench.rig(parameters={"FS_GCS_ENABLE": 1}, pilot=False) as rig:
+    with Rig(bench, parameters={"FS_GCS_ENABLE": 1}, pilot=False) as rig:
         node = rig.flying("--system", str(system))
         rig.spend(5)
         node.kill()
@@ -105,7 +106,7 @@ def _straight(node: Node) -> float:
 
 
 def _limits(bench: Bench) -> str:
-    with bench.rig() as rig:
+    with Rig(bench) as rig:
         node = rig.flying()
         rig.spend(40)
         node.end()

@@ -6,39 +6,24 @@ import socket
 import subprocess
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
+from simlink.geodesy import Plane
 
 from sitl import arducopter, px4
+from sitl.acceptance.bench import Bench
 from sitl.acceptance.case import ARDUCOPTER, PX4, Failure
 from sitl.acceptance.modes import custom_mode, name_of, set_mode
 from sitl.acceptance.node import Node
 from sitl.observer import GROUND_STATION, OBSERVER, Observer
 from sitl.process import Process
 from sitl.spec import VehicleSpec
-from simlink.geodesy import Plane
 
 _TURN_S = 0.05
 _LINK_RETRY_S = 0.5
 _LIMIT_S = 120.0
 ORIGIN = Plane(47.397742, 8.545594, 488.0)
-
-
-@dataclass(frozen=True)
-class Bench:
-    """Where a case runs: the programs, its own folder, and numbers that no other case has."""
-
-    bridge: Path
-    autopilot: str
-    program: Path
-    folder: Path
-    instance: int
-
-    def rig(self, **options: object) -> "Rig":
-        """A vehicle with its observer; see Rig."""
-        return Rig(self, **options)
 
 
 def free_port() -> int:

@@ -4,10 +4,11 @@ import time
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from sitl.acceptance.bench import Bench
 from sitl.acceptance.case import ARDUCOPTER, Case, expect
 from sitl.acceptance.modes import controlled
 from sitl.acceptance.node import Node
-from sitl.acceptance.rig import Bench, Rig
+from sitl.acceptance.rig import Rig
 
 _WATCHED_S = 8.0
 _SETTLED_S = 1.5
@@ -35,7 +36,7 @@ def _stays(rig: Rig, node: Node, mode: str) -> str:
 
 
 def _in_climb(bench: Bench) -> str:
-    with bench.rig() as rig:
+    with Rig(bench) as rig:
         node = rig.node()
         rig.until(lambda: rig.observer.armed and rig.height > 3.0, "it climbs", node)
         mode = _pilots_mode(rig)
@@ -44,7 +45,7 @@ def _in_climb(bench: Bench) -> str:
 
 
 def _in_flight(bench: Bench) -> str:
-    with bench.rig() as rig:
+    with Rig(bench) as rig:
         node = rig.flying()
         rig.spend(4)
         mode = _pilots_mode(rig)
@@ -53,7 +54,7 @@ def _in_flight(bench: Bench) -> str:
 
 
 def _back_by_start(bench: Bench) -> str:
-    with bench.rig() as rig:
+    with Rig(bench) as rig:
         node = rig.flying()
         mode = _pilots_mode(rig)
         rig.switch(mode)
@@ -91,7 +92,7 @@ def _pilot_takes_off(rig: Rig, mode: str) -> None:
 
 
 def _at_start(bench: Bench) -> str:
-    with bench.rig() as rig:
+    with Rig(bench) as rig:
         mode = _pilots_mode(rig)
         _pilot_takes_off(rig, mode)
         node = rig.node()
@@ -102,7 +103,7 @@ def _at_start(bench: Bench) -> str:
 
 def _on_the_ground(bench: Bench) -> str:
     """The pilot arms in another mode on the ground before the node commands."""
-    with bench.rig() as rig:
+    with Rig(bench) as rig:
         node = rig.node()
         rig.until(lambda: rig.is_in(controlled(rig.autopilot)) or rig.observer.armed, "the node begins", node)
         rig.switch("LOITER")
@@ -111,7 +112,7 @@ def _on_the_ground(bench: Bench) -> str:
 
 def _follows(bench: Bench) -> str:
     """Without --takeoff: the pilot takes off and hands over."""
-    with bench.rig() as rig:
+    with Rig(bench) as rig:
         node = rig.node(takes_off=False)
         rig.until(lambda: node.said(f", system {rig.system}"), "the node hears the vehicle", node)
         _pilot_takes_off(rig, _pilots_mode(rig))

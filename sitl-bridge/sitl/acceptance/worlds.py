@@ -3,8 +3,8 @@
 import json
 import subprocess
 
+from sitl.acceptance.bench import Bench
 from sitl.acceptance.case import ARDUCOPTER, PX4, Case, Failure, expect
-from sitl.acceptance.rig import Bench
 
 _LEAST_SHARE = 0.96
 

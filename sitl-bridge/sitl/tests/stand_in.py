@@ -9,7 +9,6 @@ import socket
 import sys
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
-
 from simlink.geodesy import METRES_PER_DEGREE
 
 UNIX_MS = 1_800_000_000_000

@@ -17,7 +17,8 @@ pub(super) struct Recorded {
     pub feed_forward: FeedForward,
     pub timing: StepTiming,
     pub rate_hz: f64,
-    pub wait_for: u16,
+    /// Nothing in recordings from before there were start checks.
+    pub wait_for: Option<u16>,
 }
 
 impl Recorded {
@@ -30,7 +31,7 @@ impl Recorded {
             let (limits, feed_forward) = by_name(kind.unwrap_or("flight"));
             let rate_hz = f64::from(timing.rate_hz());
             let timing = StepTiming { pace: Pace::Deadlines, lead_ms: 0, ..timing.timing(step_ms)? };
-            return Ok(Self { limits, feed_forward, timing, rate_hz, wait_for: 1 });
+            return Ok(Self { limits, feed_forward, timing, rate_hz, wait_for: None });
         };
         let flown = flight.get("limits").unwrap_or("flight");
         if let Some(kind) = kind.filter(|&kind| kind != flown) {
@@ -53,7 +54,7 @@ impl Recorded {
             ));
         }
         let (limits, feed_forward) = by_name(flown);
-        let wait_for = flight.number("wait_for").unwrap_or(1);
+        let wait_for = flight.number("wait_for");
         Ok(Self { limits, feed_forward, timing: recorded, rate_hz, wait_for })
     }
 }

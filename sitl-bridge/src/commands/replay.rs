@@ -92,7 +92,7 @@ impl ReplayTlog {
             limits: gate_limits(recorded.limits, &mission),
             feed_forward,
             take_off: info.took_off,
-            wait_for: recorded.wait_for,
+            wait_for: recorded.wait_for.unwrap_or(1),
             strict: info.flight.as_ref().and_then(|flight| flight.number::<u8>("strict")).is_some_and(|n| n != 0),
             rate_hz: recorded.rate_hz,
             source: Source::Datagrams,
@@ -103,7 +103,10 @@ impl ReplayTlog {
             advice: String::new(),
             mission: Arc::clone(&mission),
         };
-        let node = Node::new(settings, Session::new()).into_diagnostic()?;
+        let mut node = Node::new(settings, Session::new()).into_diagnostic()?;
+        if recorded.wait_for.is_none() {
+            node.skip_start_checks();
+        }
         let mut replay = Replay::new(node, info.clone(), ReplayCheck::new(info.id, mission.scale, feed_forward));
         for record in open()? {
             replay.feed(&record.into_diagnostic().wrap_err_with(file)?);

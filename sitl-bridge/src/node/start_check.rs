@@ -13,10 +13,16 @@ const LEAST_ABOVE_HOME_M: f64 = 2.0;
 const LEAST_FIX: u8 = 3;
 
 impl Node<'_> {
+    /// Starts whatever the heights and whoever else flies: for flights that were recorded before there were such
+    /// checks.
+    pub const fn skip_start_checks(&mut self) {
+        self.start_checks = false;
+    }
+
     /// Why the vehicle must not fly the mission, once the gate would let it: in words, with what to do.
     pub(super) fn refusal(&self) -> Option<String> {
         let begins = matches!(self.gate.verdict(), Verdict::BringUp(_)) || self.gate.phase() == Phase::Flight;
-        if !begins || self.autopilot.is_taking_off() {
+        if !self.start_checks || !begins || self.autopilot.is_taking_off() {
             return None;
         }
         let (mission, id) = (&self.settings.mission, self.settings.id);

@@ -43,6 +43,8 @@ pub struct Node<'a> {
     pub(super) gate: GateDriver,
     pub(super) height_check: HeightCheck,
     pub(super) muster: Muster,
+    /// Heights and other UAVs are looked at before a start, and the height after the climb.
+    pub(super) start_checks: bool,
     links: LinkMonitor,
     refusals: [Refusals; 2],
     pub(super) timebase: Timebase,
@@ -95,6 +97,7 @@ impl<'a> Node<'a> {
             gate: GateDriver::new(gate),
             height_check: HeightCheck::new(settings.mission.heights.check_m),
             muster: Muster::new(&settings),
+            start_checks: true,
             links: LinkMonitor::default(),
             refusals: [Link::Autopilot, Link::Swarm].map(Refusals::new),
             timebase: Timebase::default(),
@@ -306,6 +309,9 @@ impl<'a> Node<'a> {
 
     /// The height by the GPS against that by the estimator, once the vehicle is up.
     fn check_height(&mut self, out: &mut NodeOutput) {
+        if !self.start_checks {
+            return;
+        }
         let airborne = self.autopilot.is_airborne();
         out.notices.extend(self.height_check.update(&self.autopilot.state, airborne));
     }

@@ -279,27 +279,37 @@ impl ReplayCheck {
         self.report.differences.push(Difference { step, uav: self.uav, kind, recorded, replayed });
     }
 
-    /// The action whose flight is nearest to the one that was flown; among equals the one decided now, for
-    /// at the speed limit several actions ask for the same.
+    /// The action that was flown: the one whose flight has most of the setpoints, for the gate's own are none of
+    /// any action's, then the one whose flight is nearest; among equals the one decided now, for at the speed limit
+    /// several actions ask for the same.
     fn nearest(&self, case: &Case) -> u8 {
         // A brake in between is the gate's or the operator's.
         let moves = case.recorded.iter().any(|(_, flown)| !flown.stands());
         let moving = || case.recorded.iter().filter(move |(_, flown)| !moves || !flown.stands());
-        let apart = |index: u8| {
+        let fit = |index: u8| {
             let action = Action::new(index).unwrap_or(Action::COAST);
             let velocity = case.decision.state.velocity;
             let profile =
                 VelocityProfile::new(action, case.profile.decided_ms, velocity, case.profile.from_mps(), self.scale);
-            let one =
-                |(at, flown): &(u32, SetpointValues)| SetpointValues::of(&profile, *at, self.feed_forward).apart(flown);
-            moving().map(one).sum::<f64>()
+            moving().fold((0_usize, 0.0), |(same, apart), (at, flown)| {
+                let asked = SetpointValues::of(&profile, *at, self.feed_forward);
+                (same + usize::from(asked.is(flown)), apart + asked.apart(flown))
+            })
         };
         let own = case.decision.action;
+        // What is sent now went through the gate, as what was sent in flight did.
+        let through_the_gate = moving().fold((0_usize, 0.0), |(same, apart), (at, flown)| {
+            let sent = case.replayed.iter().filter(|(sent_at, _)| sent_at == at).map(|(_, sent)| sent.apart(flown));
+            let nearest = sent.fold(f64::INFINITY, f64::min);
+            (same + usize::from(nearest <= SAME * SAME), apart + nearest)
+        });
+        let decided = if through_the_gate.1.is_finite() { through_the_gate } else { fit(own) };
         let allowed = SAME * SAME * case.recorded.len() as f64;
         (0..ACTIONS as u8)
-            .fold((own, apart(own)), |best, index| {
-                let apart = apart(index);
-                if apart + allowed < best.1 { (index, apart) } else { best }
+            .fold((own, decided), |best, index| {
+                let (same, apart) = fit(index);
+                let is_better = same > best.1.0 || (same == best.1.0 && apart + allowed < best.1.1);
+                if is_better { (index, (same, apart)) } else { best }
             })
             .0
     }

@@ -199,7 +199,7 @@ fn settings<'a>(
     Settings {
         pois: Arc::clone(pois),
         timing: StepTiming {
-            pace: if sim.speed.is_none() { Pace::LockStep } else { Pace::Heard },
+            pace: if sim.speed.is_none() && !sim.autopilots.is_real() { Pace::LockStep } else { Pace::Heard },
             // The scenario's own dynamics are behind nothing.
             lead_ms: if sim.ideal { 0 } else { sim.timing.lead_ms },
             ..sim.timing

@@ -60,7 +60,7 @@ pub fn main(args: &Args) -> Result<()> {
     complaints.extend(paths::missing(&document, &root));
     if complaints.is_empty() {
         println!(
-            "no circle in {} crates and {} Python package; the crates' dependencies and the files are those of {}",
+            "no circle in {} crates and {} Python packages; the crates' dependencies and the files are those of {}",
             packages.len(),
             PYTHON.len(),
             arrows::DOCUMENT
