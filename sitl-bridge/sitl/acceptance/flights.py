@@ -11,6 +11,8 @@ from sitl.acceptance.rig import Rig
 _FAST_MPS = {ARDUCOPTER: 4.3, PX4: 3.6}
 """PX4's own velocity control is slower: from 5 m/s asked for in a step of 2 s it makes about 4 (SIH)."""
 _STANDING_S = 14.0
+_RASH = ("--lead-ms", "0")
+"""Without a lead a single UAV darts to and fro at full speed."""
 
 
 def _bring_up(bench: Bench) -> str:
@@ -31,7 +33,7 @@ def _fast(rig: Rig) -> None:
 
 def _order(bench: Bench, line: str, mode: str) -> str:
     with Rig(bench) as rig:
-        node = rig.flying()
+        node = rig.flying(*_RASH)
         _fast(rig)
         node.type(line)
         rig.until(lambda: rig.is_in(mode), f"{mode} after `{line}`", node, limit_s=10)
@@ -54,7 +56,7 @@ def _unix_of(rig: Rig, boot_ms: float) -> float:
 
 def _let_go(bench: Bench, act: str) -> str:
     with Rig(bench) as rig:
-        node = rig.flying()
+        node = rig.flying(*_RASH)
         _fast(rig)
         if act == "release":
             node.type("release")
@@ -69,7 +71,7 @@ def _let_go(bench: Bench, act: str) -> str:
 def _kill(bench: Bench, timeout_s: float, limit_m: float) -> str:
     name = "GUID_TIMEOUT" if bench.autopilot == ARDUCOPTER else "COM_OF_LOSS_T"
     with Rig(bench, parameters={name: timeout_s}) as rig:
-        node = rig.flying()
+        node = rig.flying(*_RASH)
         _fast(rig)
         speed = rig.speed
         node.kill()
@@ -107,7 +109,7 @@ def _straight(node: Node) -> float:
 
 def _limits(bench: Bench) -> str:
     with Rig(bench) as rig:
-        node = rig.flying()
+        node = rig.flying(*_RASH)
         rig.spend(40)
         node.end()
         fastest = _straight(node)

@@ -113,11 +113,13 @@ def _on_the_ground(bench: Bench) -> str:
 def _follows(bench: Bench) -> str:
     """Without --takeoff: the pilot takes off and hands over."""
     with Rig(bench) as rig:
+        _pilot_takes_off(rig, _pilots_mode(rig))
         node = rig.node(takes_off=False)
         rig.until(lambda: node.said(f", system {rig.system}"), "the node hears the vehicle", node)
-        _pilot_takes_off(rig, _pilots_mode(rig))
+        rig.spend(5)
+        expect("airborne" not in node.text, "it took the pilot's LOITER for its own flight")
         rig.switch("GUIDED")
-        rig.until(lambda: node.said("the actor flies"), "the actor flies", node, limit_s=30)
+        rig.until(lambda: node.said("the actor flies"), "the actor flies", node, limit_s=90)
         return "the actor flies from the pilot's GUIDED on"
 
 
