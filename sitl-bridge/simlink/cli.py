@@ -36,7 +36,8 @@ def main(arguments: list[str] | None = None) -> int:
     """Runs a fleet until it is stopped; returns the exit status."""
     logging.basicConfig(level=logging.INFO, stream=sys.stderr, format="simlink: %(message)s")
     logging.getLogger("pymavlink").setLevel(logging.WARNING)  # it logs every rejected signature
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    for number in (signal.SIGINT, signal.SIGTERM):  # also where whoever started it ignores them
+        signal.signal(number, signal.default_int_handler)
     arguments = sys.argv[1:] if arguments is None else arguments
     try:
         return _from_options(_parser().parse_args(arguments)) if arguments else _from_stdin()
