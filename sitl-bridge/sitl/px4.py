@@ -73,6 +73,8 @@ class Links:
             for port in self._not_needed:
                 self._run("stop", "-u", str(port))
             port, mode, local = self._missing[0]
+            # A start that was told to have failed may have left a link behind, which keeps the port.
+            self._run("stop", "-u", str(local))
             if not self._run("start", "-x", "-u", str(local), "-r", str(_RATE), "-m", mode, "-o", str(port)):
                 return False
             del self._missing[0]
