@@ -4,16 +4,18 @@
 //!
 //! ```text
 //! observation (160) → encoder 1 → ReLU → encoder 2 → ReLU → h (64)       encode: once a step
-//! neighbours' h, own h → aggregate → graph layer → ReLU → y (64)          none | GCN | GAT
+//! neighbours' h, own h → aggregate → graph layer → ReLU → y (64)          none | GCN | GAT | GATv2 | SAGE
 //! [h ‖ y] → head → ReLU → output → 17 logits                              decide
 //! ```
 //!
 //! `h` is what a UAV broadcasts. For GAT the score of equation (6) splits into a term
-//! of the receiver and one of the sender, so a sender adds one number, its half.
+//! of the receiver and one of the sender, so a sender adds one number, its half. With GATv2
+//! a sender broadcasts `W_r h` instead, which the receiver scores and sums; there is no graph layer.
 //! Everything is read in place from the actor file; the actor itself is a few
 //! slices.
 
 mod aggregation;
+mod aggregator;
 mod dimensions;
 mod feature;
 pub mod file;

@@ -198,7 +198,7 @@ fn with_self_tests<O: BatchedObservation>(body: &Body<'_>, situations: &[Situati
             } else {
                 (0..s.neighbourhoods.len()).max_by_key(most).unwrap_or(0)
             };
-            let blank = Feature { values: [0; 64], attention_destination: 0, attention_source: 0 };
+            let blank = Feature { own: [0; 64], values: [0; 64], attention_destination: 0, attention_source: 0 };
             let features: Vec<Feature> =
                 O::among(&s.observations).iter().map(|o| actor.map_or(blank, |a| a.encode(o))).collect();
             let logits = actor.map_or([0; 17], |a| int8_logits(a, &features, s, i));

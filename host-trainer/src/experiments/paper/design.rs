@@ -15,5 +15,7 @@ pub const fn title(graph: Aggregation) -> &'static str {
         Aggregation::None => "plain PPO",
         Aggregation::Gcn => "GCN",
         Aggregation::Gat => "GAT",
+        Aggregation::GatV2 => "GATv2",
+        Aggregation::Sage => "GraphSAGE",
     }
 }
