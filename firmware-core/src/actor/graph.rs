@@ -56,9 +56,9 @@ pub(super) fn gat(own: &Feature, neighbours: &[NeighbourFeature<'_>]) -> [i32; M
     attend(own, score(own.attention_source), neighbours, |n| score(n.attention_source))
 }
 
-/// Greatest magnitude of a number of `W_l h`, four times that of a broadcast one: it need not
-/// fit into a byte.
-pub(super) const RECEIVER_MAX: i16 = 511;
+/// GATv2: greatest magnitude of a number of `W_l h`, four times that of a broadcast one, as it
+/// need not fit into a byte.
+pub const RECEIVER_MAX: i16 = 511;
 
 /// GATv2: `Σ_j α_ij·r_j` with `α` the softmax of `aᵀ LeakyReLU(l_i + r_j)` over the neighbours
 /// and the UAV itself, Q15, where `l = W_l h` and the broadcast `r = W_r h` have the same units.

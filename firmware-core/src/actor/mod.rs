@@ -34,6 +34,7 @@ pub use dimensions::Dimensions;
 pub use feature::{Feature, MAX_DEGREE, MAX_FEATURE, NeighbourFeature};
 pub use file::LoadError;
 pub use fingerprint::{FINGERPRINT_CASES, Fingerprint, fingerprint};
+pub use graph::RECEIVER_MAX;
 pub use input_layer::{ActorInput, SparseLayer};
 pub use policy_id::PolicyId;
 pub use provenance::Provenance;
