@@ -24,7 +24,7 @@ OBSERVATION = {COMPACT: 160, CELLS: 1116}
 VELOCITY, MAX_ACTIVE = 24, 120
 NEIGHBOURS, MAX_FEATURE, MAX_ROWS, MAX_BIAS = 16, 64, 128, 1 << 24
 SELF_TESTS = 8
-AGGREGATIONS = ("none", "gcn", "gat")
+AGGREGATIONS = ("none", "gcn", "gat", "gatv2", "sage")
 WIDTHS = ("observation", "hidden", "feature", "head", "actions")
 
 
@@ -240,6 +240,7 @@ def leaky(score):
 
 
 class Feature(NamedTuple):
+    own: list
     values: list
     attending: int
     attended: int
@@ -265,7 +266,7 @@ class Actor:
         self.aggregation = AGGREGATIONS[body.aggregation]
         self.form = body.observation
         self.multiplier = body.aggregate_multiplier
-        graphed = self.aggregation != "none"
+        self.graphed = self.aggregation != "none"
         weights, tables = Record(body.weights), Record(body.tables)
 
         def layer(rows, columns):
@@ -273,35 +274,51 @@ class Actor:
 
         first = CellsLayer if self.form == CELLS else Layer
         self.encoder = [first(weights, tables, hidden, observation), layer(self.feature, hidden)]
-        self.attention = layer(2, self.feature) if self.aggregation == "gat" else None
-        self.graph = layer(self.feature, self.feature) if graphed else None
-        self.head = layer(head, (1 + graphed) * self.feature)
+        v2 = self.aggregation == "gatv2"
+        self.receiver, self.sender = (layer(self.feature, self.feature) if v2 else None for _ in range(2))
+        self.attention = layer(1 if v2 else 2, self.feature) if self.aggregation in ("gat", "gatv2") else None
+        self.graph = layer(self.feature, self.feature) if self.graphed and not v2 else None
+        self.head = layer(head, (1 + self.graphed) * self.feature)
         self.output = layer(actions, head)
         require(weights.at == len(body.weights) and tables.at == len(body.tables), "weights or tables are left over")
 
     def encode(self, observation):
         h = self.encoder[1].rectified(self.encoder[0].rectified(observation))
+        if self.aggregation == "gatv2":
+            return Feature(h, [clamp(v, -127, 127) for v in self.sender.wide(h)], 0, 0)
         attending, attended = self.attention.wide(h) if self.attention else (0, 0)
-        return Feature(h, attending, attended)
+        return Feature(h, h, attending, attended)
 
     def shares(self, own, degree, neighbours):
         """Q15 weights of the own feature and of each neighbour's."""
         if self.aggregation == "gcn":
             roots = [INVERSE_ROOT[clamp(d, 1, 17) - 1] for d in [degree] + [n.degree for n in neighbours]]
             return [(roots[0] * r + (1 << 14)) >> 15 for r in roots]
-        scores = [leaky(own.attending + a) for a in [own.attended] + [n.attended for n in neighbours]]
+        if self.aggregation == "sage":
+            count = max(len(neighbours), 1)
+            return [0] + [((1 << 15) + count // 2) // count] * len(neighbours)
+        if self.aggregation == "gatv2":
+            received = [clamp(v, -511, 511) for v in self.receiver.wide(own.own)]
+            scores = [self.score(received, sent) for sent in [own.values] + [n.values for n in neighbours]]
+        else:
+            scores = [leaky(own.attending + a) for a in [own.attended] + [n.attended for n in neighbours]]
         weights = [weight(max(scores) - s) for s in scores]
         total = sum(weights)
         return [((w << 15) + total // 2) // total for w in weights]
 
+    def score(self, received, sent):
+        """Of a neighbour, with a leaky ReLU times five."""
+        sums = [left + right for left, right in zip(received, sent)]
+        return self.attention.wide([x if x < 0 else 5 * x for x in sums])[0]
+
     def logits(self, own, degree, neighbours):
-        joined = own.values
-        if self.graph:
+        joined = own.own
+        if self.graphed:
             shares = self.shares(own, degree, neighbours)
             channels = zip(own.values, *(n.values for n in neighbours))
             sums = [sum(map(mul, shares, h)) for h in channels]
             combined = [clamp(requantise(s, self.multiplier), -127, 127) for s in sums]
-            joined = own.values + self.graph.rectified(combined)
+            joined = own.own + (self.graph.rectified(combined) if self.graph else [max(c, 0) for c in combined])
         return self.output.wide(self.head.rectified(joined))
 
 
@@ -400,7 +417,7 @@ def signature(actor, cases):
             upper = (r >> 16) - (r >> 31 << 16)
             heard.append(Neighbour(1 + r % 17, upper // 16 if upper >= 0 else -(-upper // 16), values))
         logits = actor.logits(own, len(heard) + 1, heard)
-        fnv.write(bytes(own.values).ljust(MAX_FEATURE, b"\0"))
+        fnv.write(bytes(v & 255 for v in own.values).ljust(MAX_FEATURE, b"\0"))
         fnv.write(struct.pack("<2h17hB", own.attending, own.attended, *logits, sample(logits, random.next())))
     return fnv.value
 

@@ -44,7 +44,7 @@ fn fly<O: ActorInput>(actor: &QuantisedActor<'_, O>, observations: [O; 3]) {
     let width = usize::from(actor.dimensions().feature);
     for observation in observations {
         let own = actor.encode(&observation);
-        assert!(own.values.iter().all(|&v| v >= 0));
+        assert!(own.own.iter().all(|&v| v >= 0) && own.values.iter().all(|&v| v >= -127));
         for (value, attention_source) in [(-128, i16::MIN), (127, i16::MAX)] {
             let values = [value; MAX_FEATURE];
             let neighbour = NeighbourFeature { values: &values[..width], degree: value as u8, attention_source };

@@ -1,4 +1,4 @@
-//! Writes an actor of the default widths with pseudo-random weights: `sample_actor none|gcn|gat FILE`.
+//! Writes an actor of the default widths with pseudo-random weights: `sample_actor none|gcn|gat|gatv2|sage FILE`.
 //!
 //! It flies nowhere in particular, but costs what a trained one costs, and has a signature.
 
@@ -18,11 +18,11 @@ const DEFAULT: Dimensions =
 fn main() -> ExitCode {
     let args: Vec<String> = env::args().skip(1).collect();
     let [kind, path] = args.as_slice() else {
-        eprintln!("usage: sample_actor none|gcn|gat FILE");
+        eprintln!("usage: sample_actor none|gcn|gat|gatv2|sage FILE");
         return ExitCode::FAILURE;
     };
     let Some(aggregation) = Aggregation::ALL.into_iter().find(|a| a.name() == kind) else {
-        eprintln!("no aggregation is called {kind}; choose none, gcn or gat");
+        eprintln!("no aggregation is called {kind}; choose none, gcn, gat, gatv2 or sage");
         return ExitCode::FAILURE;
     };
     if let Err(error) = fs::write(path, common::actor_of(DEFAULT, aggregation, 1)) {

@@ -91,6 +91,8 @@ fn seeds_are_what_this_code_writes() {
         ("actor_file", "tiny-none", tiny_actor(Aggregation::None, 1)),
         ("actor_file", "tiny-gcn", tiny_actor(Aggregation::Gcn, 2)),
         ("actor_file", "tiny-gat", tiny),
+        ("actor_file", "tiny-gatv2", tiny_actor(Aggregation::GatV2, 5)),
+        ("actor_file", "tiny-sage", tiny_actor(Aggregation::Sage, 6)),
         ("actor_file", "cells-gcn", cells_actor(Aggregation::Gcn, 4)),
         ("neighbour_message", "beacon", beacon(7, 65_535, 84_000)),
         ("neighbour_message", "wide-feature", message_bytes(&Message::Feature(wide))),

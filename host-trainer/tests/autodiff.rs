@@ -201,6 +201,16 @@ fn with_gcn_the_gradients_are_autodiffs() {
 }
 
 #[test]
+fn with_gatv2_the_gradients_are_autodiffs() {
+    check(Aggregation::GatV2);
+}
+
+#[test]
+fn with_sage_the_gradients_are_autodiffs() {
+    check(Aggregation::Sage);
+}
+
+#[test]
 fn with_gat_the_gradients_are_autodiffs() {
     check(Aggregation::Gat);
 }

@@ -85,6 +85,16 @@ fn training_gat_is_alike_on_burn() {
     trains_alike(Aggregation::Gat);
 }
 
+#[test]
+fn training_gatv2_is_alike_on_burn() {
+    trains_alike(Aggregation::GatV2);
+}
+
+#[test]
+fn training_sage_is_alike_on_burn() {
+    trains_alike(Aggregation::Sage);
+}
+
 /// A device whose driver is wrong or that gives up.
 struct Broken {
     inner: Box<dyn Engine>,

@@ -75,6 +75,16 @@ fn a_swarm_with_gat_learns_to_cover() {
     check(Aggregation::Gat);
 }
 
+#[test]
+fn a_swarm_with_gatv2_learns_to_cover() {
+    check(Aggregation::GatV2);
+}
+
+#[test]
+fn a_swarm_with_sage_learns_to_cover() {
+    check(Aggregation::Sage);
+}
+
 /// The same worlds get no easier by themselves.
 #[test]
 fn without_steps_of_the_optimiser_nothing_is_learnt() {

@@ -83,6 +83,33 @@ fn one_report_holds_every_figure_and_every_claim() {
     assert!(everything(&out) == before && !said.err.contains("flying"), "{}", said.err);
 }
 
+/// The paper's statements are about its own three algorithms, whatever else was trained.
+#[test]
+fn other_aggregations_stand_beside_the_papers() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("beside");
+    succeed(&mut quick(&out, &["--quiet", "--graphs", "none,gcn,gat,gatv2,sage", "--seeds", "1,2,3"]));
+    let [report, _] = outcome(&out);
+    for part in [
+        "--graphs none,gcn,gat,gatv2,sage",
+        "| plain PPO, GCN, GAT, GATv2, GraphSAGE |",
+        "\nGATv2 and GraphSAGE beside the paper's three",
+        "GraphSAGE, the paper's setting − plain PPO",
+    ] {
+        assert!(report.contains(part), "no {part} in {report}");
+    }
+    assert!(text(&out.join("figures/figure-06-coverage.svg")).contains("GATv2"));
+    let with_five = Results::read(&out.join("results.json")).expect("results");
+    let mut with_three = with_five.clone();
+    with_three.groups[0].runs.retain(|run| !["gatv2", "sage"].contains(&run.graph.as_str()));
+    for claim in CLAIMS {
+        let values = |results: &Results| claim.measure.values(&results.groups[0], results);
+        let (five, three) = (values(&with_five), values(&with_three));
+        assert_eq!(format!("{five:?}"), format!("{three:?}"), "{}", claim.statement);
+    }
+    assert!(!page(&with_three).contains("GraphSAGE"));
+}
+
 /// Runs that were cut off in each way there is go on, on another number of threads, to the
 /// same report.
 #[test]

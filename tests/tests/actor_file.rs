@@ -17,10 +17,12 @@ use proptest::prelude::*;
 use std::path::Path;
 
 /// The committed actors, and the number that their aggregation has in a file.
-const KINDS: [(&str, Aggregation, u64); 3] = [
+const KINDS: [(&str, Aggregation, u64); 5] = [
     ("sample-none", Aggregation::None, plain_actor::NONE),
     ("sample-gcn", Aggregation::Gcn, plain_actor::GCN),
     ("sample-gat", Aggregation::Gat, plain_actor::GAT),
+    ("sample-gatv2", Aggregation::GatV2, plain_actor::GATV2),
+    ("sample-sage", Aggregation::Sage, plain_actor::SAGE),
 ];
 
 fn committed(name: &str) -> Vec<u8> {
@@ -198,10 +200,14 @@ fn altered(change: impl for<'b> FnOnce(&mut Body<'b>)) -> Vec<u8> {
 
 /// The GAT sample with other tables.
 fn with_tables(change: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
-    let file = gat();
-    let mut tables = file[PlainActor::read(&file).tables_at].to_vec();
+    with_tables_of(&gat(), change)
+}
+
+/// A file with other tables.
+fn with_tables_of(file: &[u8], change: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
+    let mut tables = file[PlainActor::read(file).tables_at].to_vec();
     change(&mut tables);
-    rebuilt(&file, |body| body.tables = &tables)
+    rebuilt(file, |body| body.tables = &tables)
 }
 
 #[test]
@@ -243,7 +249,7 @@ fn a_record_that_cannot_be_read_is_malformed() {
     // An aggregation that does not exist: it follows the observation's id.
     let mut file = gat();
     assert_eq!(file[plain.tables_at.end + 1], 2);
-    file[plain.tables_at.end + 1] = 3;
+    file[plain.tables_at.end + 1] = 5;
     assert_eq!(refusal(&sealed(file)), LoadError::Malformed);
     // Bytes behind the record, inside the body.
     let mut file = gat();
@@ -294,16 +300,37 @@ fn every_width_has_its_bounds() {
 
 #[test]
 fn widths_that_fit_must_also_fit_the_weights() {
-    let changes: [fn(&mut Body<'_>); 6] = [
+    let changes: [fn(&mut Body<'_>); 8] = [
         |b| b.dimensions.hidden += 2,
         |b| b.dimensions.hidden -= 2,
         |b| b.dimensions.feature += 2,
         |b| b.dimensions.head -= 1,
         |b| b.aggregation = Aggregation::Gcn,
         |b| b.aggregation = Aggregation::None,
+        |b| b.aggregation = Aggregation::GatV2,
+        |b| b.aggregation = Aggregation::Sage,
     ];
     for (k, change) in changes.into_iter().enumerate() {
         assert_eq!(refusal(&altered(change)), LoadError::Length, "change {k}");
+    }
+    for (name, aggregation, _) in KINDS {
+        let file = committed(name);
+        for (k, change) in changes[..4].iter().enumerate() {
+            assert_eq!(refusal(&rebuilt(&file, change)), LoadError::Length, "{name}: change {k}");
+        }
+        // A GCN and GraphSAGE have the same layers: there the self-test tells them apart.
+        let same = |other: Aggregation| {
+            let shapes = |a| Actor::load(&file).expect("sound").dimensions().layers(a).collect::<Vec<_>>();
+            shapes(aggregation) == shapes(other)
+        };
+        for other in Aggregation::ALL.into_iter().filter(|&other| other != aggregation) {
+            let changed = rebuilt(&file, |b| b.aggregation = other);
+            if same(other) {
+                Actor::load(&changed).expect("it loads").self_test().expect_err("another function");
+            } else {
+                assert_eq!(refusal(&changed), LoadError::Length, "{name} as {other:?}");
+            }
+        }
     }
 }
 
@@ -331,8 +358,17 @@ fn weights_and_tables_of_another_length_are_refused() {
 
 #[test]
 fn every_bias_and_multiplier_is_bounded() {
-    let shapes: Vec<_> = Actor::load(&gat()).expect("sound").dimensions().layers(Aggregation::Gat).collect();
-    let put = |at: usize, value: i32| with_tables(|t| t[4 * at..4 * at + 4].copy_from_slice(&value.to_le_bytes()));
+    for (name, aggregation, _) in KINDS {
+        numbers_are_bounded(&committed(name), aggregation);
+    }
+    assert_eq!(refusal(&altered(|b| b.aggregate_multiplier = -1)), LoadError::OutOfRange);
+    assert_eq!(refusal(&altered(|b| b.aggregate_multiplier = i32::MIN)), LoadError::OutOfRange);
+}
+
+fn numbers_are_bounded(file: &[u8], aggregation: Aggregation) {
+    let shapes: Vec<_> = Actor::load(file).expect("sound").dimensions().layers(aggregation).collect();
+    let put =
+        |at: usize, value: i32| with_tables_of(file, |t| t[4 * at..4 * at + 4].copy_from_slice(&value.to_le_bytes()));
     let mut at = 0;
     for (rows, _) in shapes {
         for row in [0, rows - 1] {
@@ -349,8 +385,6 @@ fn every_bias_and_multiplier_is_bounded() {
         }
         at += 2 * rows;
     }
-    assert_eq!(refusal(&altered(|b| b.aggregate_multiplier = -1)), LoadError::OutOfRange);
-    assert_eq!(refusal(&altered(|b| b.aggregate_multiplier = i32::MIN)), LoadError::OutOfRange);
 }
 
 #[test]

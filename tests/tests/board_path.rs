@@ -135,7 +135,7 @@ fn fly(file: &[u8], scenario: &Scenario, mode: Mode, reach_u: i32) -> (u8, usize
     (most, heard)
 }
 
-const KINDS: [&str; 3] = ["sample-none", "sample-gcn", "sample-gat"];
+const KINDS: [&str; 5] = ["sample-none", "sample-gcn", "sample-gat", "sample-gatv2", "sample-sage"];
 
 #[test]
 fn the_papers_swarm_flies_as_it_was_trained() {

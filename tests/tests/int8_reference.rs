@@ -14,7 +14,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use std::path::Path;
 
-const SAMPLES: [&str; 3] = ["sample-none", "sample-gcn", "sample-gat"];
+const SAMPLES: [&str; 5] = ["sample-none", "sample-gcn", "sample-gat", "sample-gatv2", "sample-sage"];
 
 fn committed(name: &str) -> Vec<u8> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware-core/tests/data");
@@ -41,14 +41,13 @@ fn check(
 ) -> Result<(), TestCaseError> {
     let (actor, plain) = (Actor::load(file).expect("a sound actor"), PlainActor::read(file));
     let own = actor.encode(observation);
-    let (h, attention_destination, attention_source) = plain.encode(observation);
-    let values: Vec<i64> = own.values.iter().map(|&v| v.into()).collect();
-    prop_assert_eq!(&values[..h.len()], &h[..]);
-    prop_assert!(values[h.len()..].iter().all(|&v| v == 0));
-    prop_assert_eq!(
-        (i64::from(own.attention_destination), i64::from(own.attention_source)),
-        (attention_destination, attention_source)
-    );
+    let feature = plain.encode(observation);
+    for (found, written) in [(&own.own, &feature.own), (&own.values, &feature.values)] {
+        let found: Vec<i64> = found.iter().map(|&v| v.into()).collect();
+        prop_assert_eq!(&found[..written.len()], &written[..]);
+        prop_assert!(found[written.len()..].iter().all(|&v| v == 0));
+    }
+    prop_assert_eq!([own.attention_destination, own.attention_source].map(i64::from), feature.halves);
     let heard = neighbours.iter().map(|n| NeighbourFeature {
         values: &n.values,
         degree: n.degree,

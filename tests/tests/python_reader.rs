@@ -64,7 +64,7 @@ fn expected_of<O: ActorInput>(file: &Path, len: usize, actor: &QuantisedActor<'_
 #[test]
 fn the_python_reader_agrees_on_every_committed_actor() {
     let files = actors();
-    assert!(files.len() >= 4, "one actor of each aggregation and one that observes cells, not {files:?}");
+    assert!(files.len() >= 6, "one actor of each aggregation and one that observes cells, not {files:?}");
     for file in files {
         let output = read(&file);
         let errors = String::from_utf8_lossy(&output.stderr);

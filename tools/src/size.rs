@@ -61,8 +61,9 @@ pub fn main(args: &Args) -> Result<()> {
 /// The lines of the table, still without figures.
 fn lines(aggregation: Aggregation) -> [Line; 11] {
     let step_limit = match aggregation {
-        Aggregation::None | Aggregation::Gcn => limits::STEP_GCN_LIMIT,
+        Aggregation::None | Aggregation::Gcn | Aggregation::Sage => limits::STEP_GCN_LIMIT,
         Aggregation::Gat => limits::STEP_GAT_LIMIT,
+        Aggregation::GatV2 => limits::STEP_GATV2_LIMIT,
     };
     [
         ("flash: code", Some(limits::CODE_LIMIT)),

@@ -96,6 +96,7 @@ typedef struct covey_feature {
     int8_t values[COVEY_FEATURE]; /* the first covey_feature_width are used; broadcast those */
     int16_t attending;           /* stays at home */
     int16_t attended;            /* broadcast this */
+    int8_t own[COVEY_FEATURE];   /* stays at home */
 } covey_feature;
 
 /* A neighbour's feature as it was received. */

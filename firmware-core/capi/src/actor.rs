@@ -44,19 +44,21 @@ impl CoveyActor {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct CoveyFeature {
-    /// `h`.
+    /// What others combine: `h`, or with GATv2 `W_r h`.
     pub values: [i8; MAX_FEATURE],
     /// The receiver's half of the attention score.
     pub attention_destination: i16,
     /// The sender's half.
     pub attention_source: i16,
+    /// `h`.
+    pub own: [i8; MAX_FEATURE],
 }
 
 /// `covey_neighbour_feature`
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct CoveyNeighbourFeature {
-    /// `h`, as many as the actor's features are wide.
+    /// What it broadcast, as many as the actor's features are wide.
     pub values: *const i8,
     /// The sender's degree, 1 to 17.
     pub degree: u8,
@@ -196,8 +198,8 @@ pub unsafe extern "C" fn covey_encode(
         return Status::Null as i32;
     };
     code(actor.tested().map(|actor| {
-        let Feature { values, attention_destination, attention_source } = actor.encode(observation);
-        *feature = CoveyFeature { values, attention_destination, attention_source };
+        let Feature { own, values, attention_destination, attention_source } = actor.encode(observation);
+        *feature = CoveyFeature { values, attention_destination, attention_source, own };
     }))
 }
 
@@ -252,6 +254,7 @@ pub unsafe extern "C" fn covey_decide(
         NeighbourFeature { values, degree: n.degree, attention_source: n.attention_source }
     });
     let own = Feature {
+        own: own.own,
         values: own.values,
         attention_destination: own.attention_destination,
         attention_source: own.attention_source,

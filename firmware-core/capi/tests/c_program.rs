@@ -60,7 +60,7 @@ fn compile(compiler: &mut Command, library: &Path, program: &Path) {
 
 /// Flies one actor of each kind; `start` runs the program on the file `sample.actor` of the folder `work`.
 fn assert_flies(work: &Path, pointers: &Pointers, start: impl Fn() -> String) {
-    for (aggregation, seed) in [(Aggregation::None, 1), (Aggregation::Gcn, 2), (Aggregation::Gat, 3)] {
+    for (aggregation, seed) in Aggregation::ALL.into_iter().zip(1..) {
         let file = sample_actor(aggregation, seed);
         std::fs::write(work.join("sample.actor"), &file).unwrap();
         let (printed, expected) = (start(), expected::output(pointers, &file));

@@ -32,6 +32,7 @@ static void layout(void) {
     NUMBER(sizeof(covey_feature));
     FIELD(covey_feature, attending);
     FIELD(covey_feature, attended);
+    FIELD(covey_feature, own);
     NUMBER(sizeof(covey_neighbour_feature));
     FIELD(covey_neighbour_feature, degree);
     FIELD(covey_neighbour_feature, attended);
@@ -152,6 +153,9 @@ int main(int argc, char **argv) {
     printf("feature");
     for (int i = 0; i < COVEY_FEATURE; i++) printf(" %d", own.values[i]);
     printf(" %d %d\n", own.attending, own.attended);
+    printf("own");
+    for (int i = 0; i < COVEY_FEATURE; i++) printf(" %d", own.own[i]);
+    printf("\n");
 
     int8_t values[COVEY_NEIGHBOURS][COVEY_FEATURE];
     covey_neighbour_feature features[COVEY_NEIGHBOURS + 1];

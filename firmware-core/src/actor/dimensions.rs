@@ -18,15 +18,20 @@ pub struct Dimensions {
 }
 
 impl Dimensions {
-    /// Rows and columns of every layer in file order: encoder 1, encoder 2, attention
-    /// (GAT only), graph (GCN and GAT), head, output.
+    /// Rows and columns of every layer in file order: encoder 1, encoder 2, those of the
+    /// aggregation, head, output. GCN and `GraphSAGE` have the graph layer, GAT attention and the
+    /// graph layer, GATv2 receiver, sender and attention.
     pub fn layers(self, aggregation: Aggregation) -> impl Iterator<Item = (usize, usize)> {
         let [o, e, h, m, a] = [self.observation, self.hidden, self.feature, self.head, self.actions].map(usize::from);
-        let (attention, graph, joined) = match aggregation {
-            Aggregation::None => (None, None, h),
-            Aggregation::Gcn => (None, Some((h, h)), 2 * h),
-            Aggregation::Gat => (Some((2, h)), Some((h, h)), 2 * h),
+        let square = Some((h, h));
+        let between = match aggregation {
+            Aggregation::None => [None; 3],
+            Aggregation::Gcn | Aggregation::Sage => [square, None, None],
+            Aggregation::Gat => [Some((2, h)), square, None],
+            Aggregation::GatV2 => [square, square, Some((1, h))],
         };
-        [Some((e, o)), Some((h, e)), attention, graph, Some((m, joined)), Some((a, m))].into_iter().flatten()
+        let joined = if aggregation == Aggregation::None { h } else { 2 * h };
+        let [first, second, third] = between;
+        [Some((e, o)), Some((h, e)), first, second, third, Some((m, joined)), Some((a, m))].into_iter().flatten()
     }
 }

@@ -7,11 +7,14 @@ pub const MAX_FEATURE: usize = 64;
 /// Greatest degree: a full table and the UAV itself.
 pub const MAX_DEGREE: u8 = MAX_NEIGHBOURS as u8 + 1;
 
-/// What a UAV computes from its own observation and, but for [`Self::attention_destination`],
-/// broadcasts.
+/// What a UAV computes from its own observation: [`Self::values`] and [`Self::attention_source`] to
+/// broadcast, the rest to keep. Of each vector the actor's feature width is used; the rest is
+/// zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Feature {
-    /// `h`, of which the actor's feature width is used; the rest is zero.
+    /// `h`, which the head takes; kept at home.
+    pub own: [i8; MAX_FEATURE],
+    /// What others combine, broadcast: `h` again, but with GATv2 `W_r h`.
     pub values: [i8; MAX_FEATURE],
     /// GAT: the receiver's half of the score, kept at home (0 otherwise).
     pub attention_destination: i16,
@@ -22,7 +25,7 @@ pub struct Feature {
 /// A neighbour's feature as it was received.
 #[derive(Clone, Copy, Debug)]
 pub struct NeighbourFeature<'f> {
-    /// `h`.
+    /// What it broadcast: `h`, or with GATv2 `W_r h`.
     pub values: &'f [i8],
     /// The sender's degree, itself included, 1 to [`MAX_DEGREE`].
     pub degree: u8,

@@ -3,6 +3,7 @@
 //! stays below 17·2¹⁵·2⁷ < 2²⁷.
 
 use super::feature::{Feature, MAX_DEGREE, MAX_FEATURE, NeighbourFeature};
+use super::layer::Row;
 use super::softmax::weight;
 
 /// `round(2¹⁵/√d)` for d = 1..=17.
@@ -21,17 +22,24 @@ fn add(sums: &mut [i32; MAX_FEATURE], values: &[i8], weight: i32) {
 }
 
 /// GCN: `Σ_j h_j/√(d_i·d_j)` over the neighbours and the UAV itself, Q15.
-pub(super) fn gcn<'f>(
-    own: &Feature,
-    degree: u8,
-    neighbours: impl Iterator<Item = NeighbourFeature<'f>>,
-) -> [i32; MAX_FEATURE] {
+pub(super) fn gcn(own: &Feature, degree: u8, neighbours: &[NeighbourFeature<'_>]) -> [i32; MAX_FEATURE] {
     let mut sums = [0; MAX_FEATURE];
     let root = inverse_root(degree);
     let edge = |d: u8| (root * inverse_root(d) + (1 << 14)) >> 15;
     add(&mut sums, &own.values, edge(degree));
     for n in neighbours {
         add(&mut sums, n.values, edge(n.degree));
+    }
+    sums
+}
+
+/// `GraphSAGE`: the mean of the neighbours' `h`, Q15; zeros when there are none.
+pub(super) fn mean(neighbours: &[NeighbourFeature<'_>]) -> [i32; MAX_FEATURE] {
+    let mut sums = [0; MAX_FEATURE];
+    let count = neighbours.len().clamp(1, usize::from(MAX_DEGREE)) as i32;
+    let share = ((1 << 15) + count / 2) / count;
+    for n in neighbours {
+        add(&mut sums, n.values, share);
     }
     sums
 }
@@ -43,23 +51,65 @@ fn leaky(score: i32) -> i32 {
 
 /// GAT: `Σ_j α_ij·h_j` with `α` the softmax of `LeakyReLU(s_i + t_j)` over the
 /// neighbours and the UAV itself, Q15.
-pub(super) fn gat<'f>(
-    own: &Feature,
-    neighbours: impl Iterator<Item = NeighbourFeature<'f>> + Clone,
-) -> [i32; MAX_FEATURE] {
+pub(super) fn gat(own: &Feature, neighbours: &[NeighbourFeature<'_>]) -> [i32; MAX_FEATURE] {
     let score = |attention_source: i16| leaky(i32::from(own.attention_destination) + i32::from(attention_source));
-    let mine = score(own.attention_source);
-    let top = neighbours.clone().map(|n| score(n.attention_source)).fold(mine, i32::max);
+    attend(own, score(own.attention_source), neighbours, |n| score(n.attention_source))
+}
+
+/// GATv2: greatest magnitude of a number of `W_l h`, four times that of a broadcast one, as it
+/// need not fit into a byte.
+pub const RECEIVER_MAX: i16 = 511;
+
+/// GATv2: `Σ_j α_ij·r_j` with `α` the softmax of `aᵀ LeakyReLU(l_i + r_j)` over the neighbours
+/// and the UAV itself, Q15, where `l = W_l h` and the broadcast `r = W_r h` have the same units.
+pub(super) fn gatv2(
+    own: &Feature,
+    receiver: &[i16; MAX_FEATURE],
+    attention: Row<'_>,
+    neighbours: &[NeighbourFeature<'_>],
+) -> [i32; MAX_FEATURE] {
+    // Five times LeakyReLU with slope 1/5 is a whole number: up to 5·(511 + 127), or 639 below
+    // zero; so a sum stays within 64·2⁷·3190 < 2²⁵, as much as a layer's.
+    let score = |values: &[i8]| {
+        let mut sum = 0;
+        for ((&l, &r), a) in receiver.iter().zip(values).zip(attention.weights()) {
+            let x = i32::from(l) + i32::from(r);
+            sum += i32::from(a) * if x < 0 { x } else { 5 * x };
+        }
+        attention.wide(sum)
+    };
+    attend(own, score(&own.values), neighbours, |n| score(n.values))
+}
+
+/// `Σ_j α_ij·values_j` with `α` the softmax of these scores, Q15. At most the first 16
+/// neighbours count. `mine` is the score of the UAV itself.
+#[inline]
+fn attend(
+    own: &Feature,
+    mine: i32,
+    neighbours: &[NeighbourFeature<'_>],
+    score: impl Fn(&NeighbourFeature<'_>) -> i32,
+) -> [i32; MAX_FEATURE] {
+    // Scores, then weights.
+    let mut theirs = [0; MAX_DEGREE as usize - 1];
+    let mut top = mine;
+    for (s, n) in theirs.iter_mut().zip(neighbours) {
+        *s = score(n);
+        top = top.max(*s);
+    }
+    let mine = weight(top - mine);
     // At most 17·2^16, at least 2^16: the greatest score weighs one.
-    let total =
-        neighbours.clone().map(|n| weight(top - score(n.attention_source))).fold(weight(top - mine), |a, w| a + w);
+    let mut total = mine;
+    for (s, _) in theirs.iter_mut().zip(neighbours) {
+        *s = weight(top - *s) as i32;
+        total += *s as u32;
+    }
     // weight <= 2^16, so the shifted value fits u32.
-    let share =
-        |attention_source: i16| (((weight(top - score(attention_source)) << 15) + total / 2) / total.max(1)) as i32;
+    let share = |weight: u32| (((weight << 15) + total / 2) / total.max(1)) as i32;
     let mut sums = [0; MAX_FEATURE];
-    add(&mut sums, &own.values, share(own.attention_source));
-    for n in neighbours {
-        add(&mut sums, n.values, share(n.attention_source));
+    add(&mut sums, &own.values, share(mine));
+    for (&w, n) in theirs.iter().zip(neighbours) {
+        add(&mut sums, n.values, share(w as u32));
     }
     sums
 }
@@ -74,5 +124,16 @@ mod tests {
             let exact = libm::round(32_768.0 / libm::sqrt(f64::from(d))) as i32;
             assert_eq!(inverse_root(d), exact, "degree {d}");
         }
+    }
+
+    #[test]
+    fn a_mean_is_of_the_neighbours_alone() {
+        let (some, others) = ([100i8; 2], [-20i8; 2]);
+        let heard = |values| NeighbourFeature { values, degree: 3, attention_source: 0 };
+        assert_eq!(mean(&[]), [0; MAX_FEATURE]);
+        assert_eq!(mean(&[heard(&some)])[..3], [100 << 15, 100 << 15, 0]);
+        // round(2¹⁵/3) = 10,923.
+        assert_eq!(mean(&[heard(&some), heard(&some), heard(&others)])[..2], [180 * 10_923; 2]);
+        assert_eq!(mean(&[heard(&others); 16])[..2], [-(20 << 15); 2]);
     }
 }

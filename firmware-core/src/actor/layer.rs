@@ -81,11 +81,42 @@ impl<'a> Layer<'a> {
         self.run(x, out, Finish::Wide);
     }
 
+    /// Its first row, for sums that the kernel has no form for.
+    pub(crate) fn first_row(&self) -> Row<'a> {
+        let word = |words: &[[u8; 4]]| words.first().map_or(0, |&w| i32::from_le_bytes(w));
+        Row {
+            pairs: self.dense.weights.as_chunks().0,
+            bias: word(self.dense.biases),
+            multiplier: word(self.dense.multipliers),
+        }
+    }
+
     fn run(&self, x: &[i16], out: &mut [i16], finish: Finish) {
         // Loading bounds the columns, and callers size their buffers by the maximum.
         if let Some(x) = x.get(..even(self.columns)) {
             self.dense.apply(x, out, finish);
         }
+    }
+}
+
+/// A row of a layer of one row or two.
+#[derive(Clone, Copy)]
+pub(crate) struct Row<'a> {
+    pairs: &'a [[u8; 2]],
+    bias: i32,
+    multiplier: i32,
+}
+
+impl Row<'_> {
+    /// Its weights, column by column.
+    pub(crate) fn weights(&self) -> impl Iterator<Item = i8> {
+        self.pairs.iter().map(|&[_, first]| first as i8)
+    }
+
+    /// The output from the sum, as [`Layer::apply_wide`] has it. Sums within ±2²⁵ do not overflow.
+    pub(crate) fn wide(&self, sum: i32) -> i32 {
+        let wide = kernel::requantise((sum + self.bias) << kernel::WIDE_SHIFT, self.multiplier);
+        wide.clamp(i32::from(i16::MIN), i32::from(i16::MAX))
     }
 }
 

@@ -4,16 +4,18 @@
 //!
 //! ```text
 //! observation (160) → encoder 1 → ReLU → encoder 2 → ReLU → h (64)       encode: once a step
-//! neighbours' h, own h → aggregate → graph layer → ReLU → y (64)          none | GCN | GAT
+//! neighbours' h, own h → aggregate → graph layer → ReLU → y (64)          none | GCN | GAT | GATv2 | SAGE
 //! [h ‖ y] → head → ReLU → output → 17 logits                              decide
 //! ```
 //!
 //! `h` is what a UAV broadcasts. For GAT the score of equation (6) splits into a term
-//! of the receiver and one of the sender, so a sender adds one number, its half.
+//! of the receiver and one of the sender, so a sender adds one number, its half. With GATv2
+//! a sender broadcasts `W_r h` instead, which the receiver scores and sums; there is no graph layer.
 //! Everything is read in place from the actor file; the actor itself is a few
 //! slices.
 
 mod aggregation;
+mod aggregator;
 mod dimensions;
 mod feature;
 pub mod file;
@@ -32,6 +34,7 @@ pub use dimensions::Dimensions;
 pub use feature::{Feature, MAX_DEGREE, MAX_FEATURE, NeighbourFeature};
 pub use file::LoadError;
 pub use fingerprint::{FINGERPRINT_CASES, Fingerprint, fingerprint};
+pub use graph::RECEIVER_MAX;
 pub use input_layer::{ActorInput, SparseLayer};
 pub use policy_id::PolicyId;
 pub use provenance::Provenance;

@@ -1,16 +1,15 @@
 //! The loaded actor, and from an observation to an action.
 
 use super::aggregation::Aggregation;
+use super::aggregator::Aggregator;
 use super::dimensions::Dimensions;
 use super::feature::{Feature, MAX_FEATURE, NeighbourFeature};
-use super::graph;
 use super::input_layer::ActorInput;
 use super::layer::{Activations, Layer, MAX_INPUTS, MAX_ROWS};
 use super::policy_id::PolicyId;
 use super::provenance::Provenance;
 use super::softmax::{Logits, Mode, argmax, sample};
 use crate::action::{ACTIONS, Action};
-use crate::kernel::requantise;
 use crate::observation::cells::Cells;
 use crate::observation::{MAX_NEIGHBOURS, Observation};
 use crate::random::{action_draw, tie_breaker};
@@ -26,7 +25,6 @@ pub type CellsActor<'a> = QuantisedActor<'a, Cells>;
 /// code of those forms only that it uses.
 #[derive(Clone, Copy, Debug)]
 pub struct QuantisedActor<'a, O: ActorInput> {
-    pub(super) aggregation: Aggregation,
     pub(super) dimensions: Dimensions,
     pub(super) tie_period: u32,
     pub(super) content_hash: u64,
@@ -34,8 +32,7 @@ pub struct QuantisedActor<'a, O: ActorInput> {
     pub(super) self_tests: &'a [u8],
     pub(super) encoder1: O::InputLayer<'a>,
     pub(super) encoder2: Layer<'a>,
-    pub(super) attention: Layer<'a>,
-    pub(super) graph: Layer<'a>,
+    pub(super) aggregator: Aggregator<'a>,
     pub(super) head: Layer<'a>,
     pub(super) output: Layer<'a>,
     pub(super) aggregate_multiplier: i32,
@@ -45,7 +42,7 @@ impl<'a, O: ActorInput> QuantisedActor<'a, O> {
     /// How it aggregates.
     #[must_use]
     pub const fn aggregation(&self) -> Aggregation {
-        self.aggregation
+        self.aggregator.kind()
     }
 
     /// Its widths.
@@ -81,10 +78,10 @@ impl<'a, O: ActorInput> QuantisedActor<'a, O> {
     /// What its swarm needs to know of the policy.
     #[must_use]
     pub const fn policy_id(&self) -> PolicyId {
-        let width = match self.aggregation {
-            Aggregation::None => 0,
+        let width = match self.aggregator {
+            Aggregator::None => 0,
             // Loading bounds it by 64.
-            Aggregation::Gcn | Aggregation::Gat => self.dimensions.feature as u8,
+            _ => self.dimensions.feature as u8,
         };
         PolicyId { hash: self.message_hash(), width }
     }
@@ -102,16 +99,7 @@ impl<'a, O: ActorInput> QuantisedActor<'a, O> {
         observation.apply(&self.encoder1, &mut y.0);
         let mut h = Activations::<MAX_FEATURE>::zero();
         self.encoder2.apply(&y.0, &mut h.0);
-        let mut halves = [0i16; 2];
-        if self.aggregation == Aggregation::Gat {
-            self.attention.apply_wide(&h.0, &mut halves);
-        }
-        let [attention_destination, attention_source] = halves;
-        let mut values = [0i8; MAX_FEATURE];
-        for (v, &h) in values.iter_mut().zip(&h.0) {
-            *v = h as i8; // 0..=127
-        }
-        Feature { values, attention_destination, attention_source }
+        self.aggregator.feature(&h)
     }
 
     /// The logits of a UAV with this feature and degree (itself included) whose
@@ -137,7 +125,7 @@ impl<'a, O: ActorInput> QuantisedActor<'a, O> {
     #[inline(never)]
     fn logits_among(&self, own: &Feature, degree: u8, neighbours: &[NeighbourFeature<'_>]) -> Logits {
         let mut joined = Activations::<{ 2 * MAX_FEATURE }>::zero();
-        for (x, &h) in joined.0.iter_mut().zip(&own.values) {
+        for (x, &h) in joined.0.iter_mut().zip(&own.own) {
             *x = i16::from(h);
         }
         if let Some(y) = joined.0.get_mut(usize::from(self.dimensions.feature)..) {
@@ -156,20 +144,10 @@ impl<'a, O: ActorInput> QuantisedActor<'a, O> {
         logits
     }
 
-    /// Aggregates, and applies the graph layer; `y` stays as it is without aggregation.
+    /// Aggregates; `y` stays as it is without aggregation.
     #[inline(never)]
     fn aggregate(&self, own: &Feature, degree: u8, neighbours: &[NeighbourFeature<'_>], y: &mut [i16]) {
-        let neighbours = neighbours.iter().copied();
-        let sums = match self.aggregation {
-            Aggregation::None => return,
-            Aggregation::Gcn => graph::gcn(own, degree, neighbours),
-            Aggregation::Gat => graph::gat(own, neighbours),
-        };
-        let mut mean = Activations::<MAX_FEATURE>::zero();
-        for (x, &sum) in mean.0.iter_mut().zip(&sums) {
-            *x = requantise(sum, self.aggregate_multiplier).clamp(-127, 127) as i16;
-        }
-        self.graph.apply(&mean.0, y);
+        self.aggregator.apply(own, degree, neighbours, self.aggregate_multiplier, y);
     }
 
     /// The action of these logits for UAV `id` at `step`.

@@ -66,21 +66,29 @@ impl<'l> Parameters<'l> {
 pub fn logits(p: &Parameters<'_>, aggregation: Aggregation, batch: &Batch) -> Tensor<2> {
     let feature = p.encode(&batch.observations);
     let own = p.dense(feature.clone(), "head own", "head bias");
-    let weights = match aggregation {
+    let graph = |combined| p.dense(combined, "graph", "graph bias");
+    let combined = match aggregation {
         Aggregation::None => None,
-        Aggregation::Gcn => Some(degree_weights(&batch.neighbours)),
-        Aggregation::Gat => Some(attention(p, &feature, batch)),
-    };
-    let head = match weights {
-        None => own,
-        Some(weights) => {
-            let [rows, width] = feature.dims();
-            let each = feature.reshape([batch.world_steps, batch.uavs, width]);
-            let combined = weights.matmul(each).reshape([rows, width]);
-            own + relu(p.dense(combined, "graph", "graph bias")).matmul(p.weights("head aggregate"))
+        Aggregation::Gcn => Some(graph(combine(degree_weights(&batch.neighbours), feature))),
+        Aggregation::Sage => Some(graph(combine(mean_weights(&batch.neighbours), feature))),
+        Aggregation::Gat => Some(graph(combine(attention(p, &feature, batch), feature))),
+        Aggregation::GatV2 => {
+            let receiver = p.dense(feature.clone(), "receiver", "receiver bias");
+            let sender = p.dense(feature, "sender", "sender bias");
+            Some(combine(attention_v2(p, receiver, &sender, batch), sender))
         }
     };
+    let head = match combined {
+        None => own,
+        Some(combined) => own + relu(combined).matmul(p.weights("head aggregate")),
+    };
     p.dense(relu(head), "output", "output bias")
+}
+
+/// Features, `[B·N, feature]`, summed by these weights, `[B, N, N]`.
+fn combine(weights: Tensor<3>, feature: Tensor<2>) -> Tensor<2> {
+    let ([b, n, _], [rows, width]) = (weights.dims(), feature.dims());
+    weights.matmul(feature.reshape([b, n, width])).reshape([rows, width])
 }
 
 /// GCN weights of equation (5): `1/√(d_i d_j)` on edges, `[B, N, N]`; a degree counts the UAV itself.
@@ -90,6 +98,28 @@ fn degree_weights(neighbours: &Tensor<3>) -> Tensor<3> {
     neighbours.clone() * root.clone() * root.reshape([b, 1, n])
 }
 
+/// Weights of the mean over a UAV's neighbours, without itself, `[B, N, N]`.
+fn mean_weights(neighbours: &Tensor<3>) -> Tensor<3> {
+    let [_, n, _] = neighbours.dims();
+    let others = neighbours.clone() - Tensor::<2>::eye(n, &neighbours.device()).reshape([1, n, n]);
+    let count = others.clone().sum_dim(2).clamp_min(1.0);
+    others / count
+}
+
+/// Attention weights of Brody et al., `[B, N, N]`: the softmax of
+/// `aᵀ LeakyReLU(receiver_i + sender_j)`.
+fn attention_v2(p: &Parameters<'_>, receiver: Tensor<2>, sender: &Tensor<2>, batch: &Batch) -> Tensor<3> {
+    let ([_, width], b, n) = (sender.dims(), batch.world_steps, batch.uavs);
+    let sums = receiver.reshape([b, n, 1, width]) + sender.clone().reshape([b, 1, n, width]);
+    let scores = leaky_relu(sums, LEAKY_SLOPE).reshape([b * n * n, width]).matmul(p.weights("attention"));
+    softmax(scores.reshape([b, n, n]) + mask(&batch.neighbours), 2)
+}
+
+/// The score of what is no edge is 10⁹ below, so its weight is zero.
+fn mask(neighbours: &Tensor<3>) -> Tensor<3> {
+    (neighbours.clone() - 1.0) * 1e9
+}
+
 /// Attention weights of equation (6), `[B, N, N]`. The score `aᵀ[W h_i ‖ W h_j]` is
 /// `h_i·(W a₁) + h_j·(W a₂)`.
 fn attention(p: &Parameters<'_>, feature: &Tensor<2>, batch: &Batch) -> Tensor<3> {
@@ -97,9 +127,7 @@ fn attention(p: &Parameters<'_>, feature: &Tensor<2>, batch: &Batch) -> Tensor<3
     let half = |a| feature.clone().matmul(p.weights("graph").matmul(p.weights(a)));
     let (receiver, sender) =
         (half("attention receiver").reshape([b, n, 1]), half("attention sender").reshape([b, 1, n]));
-    // The score of what is no edge is 10⁹ below, so its weight is zero.
-    let mask = (batch.neighbours.clone() - 1.0) * 1e9;
-    softmax(leaky_relu(receiver + sender, LEAKY_SLOPE) + mask, 2)
+    softmax(leaky_relu(receiver + sender, LEAKY_SLOPE) + mask(&batch.neighbours), 2)
 }
 
 /// Normalised values, `[B·N, 1]`.

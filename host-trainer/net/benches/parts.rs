@@ -25,7 +25,7 @@ fn environment(c: &mut Criterion) {
 
 fn networks(c: &mut Criterion) {
     let mut group = c.benchmark_group("micro-batch");
-    for aggregation in [Aggregation::None, Aggregation::Gcn, Aggregation::Gat] {
+    for aggregation in Aggregation::ALL {
         let mut networks = Networks::new(aggregation, MINIBATCH);
         let name = aggregation.name();
         group.throughput(Throughput::Elements(networks.micro_batch()));

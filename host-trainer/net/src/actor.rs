@@ -1,7 +1,7 @@
 //! The actor: encoder, aggregation, head on own feature and aggregate, 17 logits (paper,
 //! equations 5 to 7; figure 4).
 
-use crate::aggregation::{Aggregate, Attention, AttentionGradient};
+use crate::graph_layer::{GraphGradient, GraphLayer, GraphPass};
 use crate::input::Inputs;
 use crate::kernel::Init;
 use crate::layers::{Bias, BlockGradient, Dense, Encoder, EncoderGradient, EncoderPass, Weights};
@@ -17,14 +17,8 @@ pub struct ActorNet {
     own: Weights,
     head_bias: Bias,
     output: Dense,
-    graph: Option<GraphLayer>,
-}
-
-#[derive(Clone, Debug)]
-struct GraphLayer {
-    weights: Dense,
-    head: Weights,
-    attention: Option<Attention>,
+    /// The graph layer, and the head's weights on what it gives.
+    graph: Option<(GraphLayer, Weights)>,
 }
 
 impl ActorNet {
@@ -37,11 +31,7 @@ impl ActorNet {
             own: Weights::new(layout, "head own"),
             head_bias: Bias::new(layout, "head"),
             output: Dense::new(layout, "output"),
-            graph: (aggregation != Aggregation::None).then(|| GraphLayer {
-                weights: Dense::new(layout, "graph"),
-                head: Weights::new(layout, "head aggregate"),
-                attention: (aggregation == Aggregation::Gat).then(Attention::default),
-            }),
+            graph: GraphLayer::new(layout, aggregation).map(|g| (g, Weights::new(layout, "head aggregate"))),
             layout: layout.clone(),
         }
     }
@@ -53,12 +43,9 @@ impl ActorNet {
         self.own.load(layout, values);
         self.head_bias.load(layout, values);
         self.output.load(layout, values);
-        if let Some(graph) = &mut self.graph {
-            graph.weights.load(layout, values);
-            graph.head.load(layout, values);
-            if let Some(a) = &mut graph.attention {
-                a.load(layout, values);
-            }
+        if let Some((graph, head)) = &mut self.graph {
+            graph.load(layout, values);
+            head.load(layout, values);
         }
     }
 }
@@ -74,15 +61,6 @@ pub struct ActorPass {
     logits: Rows,
 }
 
-#[derive(Clone, Debug)]
-struct GraphPass {
-    aggregate: Aggregate,
-    combined: Rows,
-    output: Rows,
-    by_combined: Rows,
-    by_output: Rows,
-}
-
 impl ActorPass {
     /// For actors of this layout.
     #[must_use]
@@ -90,29 +68,21 @@ impl ActorPass {
         let rows = |name| Rows::new(layout.shape(name).1);
         Self {
             encoder: EncoderPass::new(layout),
-            graph: layout.has("graph").then(|| GraphPass {
-                aggregate: Aggregate::default(),
-                combined: rows("graph"),
-                output: rows("graph"),
-                by_combined: rows("graph"),
-                by_output: rows("graph"),
-            }),
+            graph: GraphPass::new(layout),
             head: rows("head own"),
             by_head: rows("head own"),
             logits: rows("output"),
         }
     }
 
-    /// Computes the logits, in the order in which UAVs do it: the features are combined
-    /// first, then multiplied by `W`, which is the same as equations (5) and (7).
+    /// Computes the logits, in the order in which UAVs do it.
     pub fn forward(&mut self, net: &ActorNet, inputs: &Inputs) {
         self.encoder.forward(&net.encoder, inputs);
         let feature = &self.encoder.feature;
-        if let (Some(pass), Some(layer)) = (&mut self.graph, &net.graph) {
-            pass.aggregate.forward(inputs, layer.attention.as_ref(), feature, &mut pass.combined);
-            layer.weights.forward(&pass.combined, Activation::Relu, &mut pass.output);
+        if let (Some(pass), Some((layer, head))) = (&mut self.graph, &net.graph) {
+            pass.forward(layer, inputs, feature);
             net.own.forward(feature, net.head_bias.init(), Activation::Identity, &mut self.head);
-            layer.head.forward(&pass.output, Init::Accumulate, Activation::Relu, &mut self.head);
+            head.forward(&pass.output, Init::Accumulate, Activation::Relu, &mut self.head);
         } else {
             net.own.forward(feature, net.head_bias.init(), Activation::Relu, &mut self.head);
         }
@@ -129,14 +99,12 @@ impl ActorPass {
         net.output.backward(&self.logits, Activation::ReluGradient(&self.head), &mut self.by_head);
         sum.own.add_weights(feature, &self.by_head);
         sum.head_bias.add_bias(&self.by_head);
-        if let (Some(pass), Some(layer), Some(sum)) = (&mut self.graph, &net.graph, &mut sum.graph) {
-            sum.head.add_weights(&pass.output, &self.by_head);
-            layer.head.backward(&self.by_head, Init::Zero, Activation::ReluGradient(&pass.output), &mut pass.by_output);
-            sum.weights.add_weights(&pass.combined, &pass.by_output);
-            sum.bias.add_bias(&pass.by_output);
-            layer.weights.backward(&pass.by_output, Activation::Identity, &mut pass.by_combined);
-            let attention = layer.attention.as_ref().zip(sum.attention.as_mut());
-            pass.aggregate.backward(&pass.by_combined, feature, attention, by_feature);
+        if let (Some(pass), Some((layer, head)), Some((by_layer, by_aggregate))) =
+            (&mut self.graph, &net.graph, &mut sum.graph)
+        {
+            by_aggregate.add_weights(&pass.output, &self.by_head);
+            head.backward(&self.by_head, Init::Zero, Activation::ReluGradient(&pass.output), &mut pass.by_output);
+            pass.backward(layer, feature, by_layer, by_feature);
             net.own.backward(&self.by_head, Init::Accumulate, Activation::ReluGradient(feature), by_feature);
         } else {
             net.own.backward(&self.by_head, Init::Zero, Activation::ReluGradient(feature), by_feature);
@@ -156,9 +124,10 @@ impl ActorPass {
         forward += own + active * outputs;
         backward += own + active * feature + 2 * rows * outputs * head;
         if let Some(g) = &self.graph {
-            let products = g.combined.nonzeros() * feature + g.output.nonzeros() * head;
-            forward += products;
-            backward += products + active * feature + g.output.nonzeros() * feature;
+            let [there, back] = g.multiply_adds(&self.encoder.feature);
+            let products = g.output.nonzeros() * head;
+            forward += there + products;
+            backward += back + products + active * feature;
         }
         [forward, backward]
     }
@@ -169,17 +138,29 @@ impl ActorPass {
         &self.encoder.hidden
     }
 
-    /// Features `h`, a row a UAV: what UAVs broadcast.
+    /// Features `h`, a row a UAV: what UAVs broadcast, but for GATv2 ([`Self::ends`]).
     #[must_use]
     pub const fn feature(&self) -> &Rows {
         &self.encoder.feature
     }
 
-    /// The combined features of each neighbourhood and the graph layer's outputs, a row a UAV; none
-    /// without aggregation.
+    /// The combined features of each neighbourhood, a row a UAV; none without aggregation, and
+    /// none with GATv2, whose [output](Self::graph) they are.
     #[must_use]
-    pub fn graph(&self) -> Option<(&Rows, &Rows)> {
-        self.graph.as_ref().map(|g| (&g.combined, &g.output))
+    pub fn combined(&self) -> Option<&Rows> {
+        self.graph.as_ref().and_then(GraphPass::combined)
+    }
+
+    /// GATv2: `W_l h`, with which a UAV scores, and `W_r h`, which it broadcasts, a row a UAV.
+    #[must_use]
+    pub fn ends(&self) -> Option<&[Rows; 2]> {
+        self.graph.as_ref().and_then(GraphPass::ends)
+    }
+
+    /// What the head takes beside the feature, a row a UAV; none without aggregation.
+    #[must_use]
+    pub fn graph(&self) -> Option<&Rows> {
+        self.graph.as_ref().map(|g| &g.output)
     }
 
     /// Activations of the head's hidden layer, a row a UAV.
@@ -209,15 +190,7 @@ pub struct ActorGradient {
     head_bias: BlockGradient,
     output: BlockGradient,
     output_bias: BlockGradient,
-    graph: Option<GraphGradient>,
-}
-
-#[derive(Clone, Debug)]
-struct GraphGradient {
-    weights: BlockGradient,
-    bias: BlockGradient,
-    head: BlockGradient,
-    attention: Option<AttentionGradient>,
+    graph: Option<(GraphGradient, BlockGradient)>,
 }
 
 impl ActorGradient {
@@ -230,12 +203,7 @@ impl ActorGradient {
             head_bias: BlockGradient::of_bias(layout, "head"),
             output: BlockGradient::of_narrow_weights(layout, "output"),
             output_bias: BlockGradient::of_bias(layout, "output"),
-            graph: layout.has("graph").then(|| GraphGradient {
-                weights: BlockGradient::of_weights(layout, "graph"),
-                bias: BlockGradient::of_bias(layout, "graph"),
-                head: BlockGradient::of_weights(layout, "head aggregate"),
-                attention: layout.has("attention sender").then(|| AttentionGradient::new(layout.shape("graph").0)),
-            }),
+            graph: GraphGradient::new(layout).map(|g| (g, BlockGradient::of_weights(layout, "head aggregate"))),
             layout: layout.clone(),
         }
     }
@@ -246,13 +214,9 @@ impl ActorGradient {
         for g in [&mut self.own, &mut self.head_bias, &mut self.output, &mut self.output_bias] {
             g.clear();
         }
-        if let Some(g) = &mut self.graph {
-            for g in [&mut g.weights, &mut g.bias, &mut g.head] {
-                g.clear();
-            }
-            if let Some(a) = &mut g.attention {
-                a.clear();
-            }
+        if let Some((graph, head)) = &mut self.graph {
+            graph.clear();
+            head.clear();
         }
     }
 
@@ -263,13 +227,9 @@ impl ActorGradient {
         for g in [&self.own, &self.head_bias, &self.output, &self.output_bias] {
             g.store(&self.layout, out);
         }
-        if let Some(g) = &self.graph {
-            for g in [&g.weights, &g.bias, &g.head] {
-                g.store(&self.layout, out);
-            }
-            if let Some(a) = &g.attention {
-                a.store(&self.layout, values, out);
-            }
+        if let Some((graph, head)) = &self.graph {
+            graph.store(&self.layout, values, out);
+            head.store(&self.layout, out);
         }
     }
 }

@@ -6,6 +6,7 @@ mod actor_critic;
 mod aggregation;
 mod critic;
 mod engine;
+mod graph_layer;
 mod init;
 mod input;
 pub mod kernel;

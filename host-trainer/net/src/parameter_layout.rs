@@ -56,7 +56,8 @@ impl ParameterLayout {
     }
 
     /// The actor: encoder of two layers, aggregation, head on own feature and
-    /// aggregate, 17 logits. The graph layer is `W` of equations (5) to (7).
+    /// aggregate, 17 logits. The graph layer is `W` of equations (5) to (7); GATv2 has two of
+    /// them, for the receiver and the sender of a feature.
     #[must_use]
     pub fn actor(d: Dimensions, aggregation: Aggregation) -> Self {
         let [o, e, h, m] = [d.observation, d.hidden, d.feature, d.head].map(usize::from);
@@ -70,8 +71,21 @@ impl ParameterLayout {
             ("output", m, ACTIONS, 0.01),
             ("output bias", 1, ACTIONS, 0.0),
         ];
+        match aggregation {
+            Aggregation::None => {}
+            Aggregation::Gcn | Aggregation::Gat | Aggregation::Sage => {
+                parts.extend([("graph", h, h, RELU_GAIN), ("graph bias", 1, h, 0.0)]);
+            }
+            Aggregation::GatV2 => parts.extend([
+                ("receiver", h, h, RELU_GAIN),
+                ("receiver bias", 1, h, 0.0),
+                ("sender", h, h, RELU_GAIN),
+                ("sender bias", 1, h, 0.0),
+                ("attention", h, 1, 1.0),
+            ]),
+        }
         if aggregation != Aggregation::None {
-            parts.extend([("graph", h, h, RELU_GAIN), ("graph bias", 1, h, 0.0), ("head aggregate", h, m, RELU_GAIN)]);
+            parts.push(("head aggregate", h, m, RELU_GAIN));
         }
         if aggregation == Aggregation::Gat {
             parts.extend([("attention receiver", h, 1, 1.0), ("attention sender", h, 1, 1.0)]);

@@ -90,7 +90,7 @@ fn relu(v: Vec<f64>) -> Vec<f64> {
 }
 
 /// Row i of the matrix by which features are weighed: `D^(−1/2) A D^(−1/2)` of equation
-/// (5), or α of equation (6).
+/// (5), α of equation (6) or of Brody et al., or the mean of the neighbours.
 fn weights(
     p: &Named<'_>,
     aggregation: Aggregation,
@@ -106,11 +106,20 @@ fn weights(
             .map(|j| if connected(i, j) { 1.0 / (degree(i) * degree(j)).sqrt() } else { 0.0 })
             .collect();
     }
-    let a = [p.block("attention receiver"), p.block("attention sender")].concat();
+    if aggregation == Aggregation::Sage {
+        let n = (degree(i) - 1.0).max(1.0);
+        return (0..h.len()).map(|j| if i != j && connected(i, j) { 1.0 / n } else { 0.0 }).collect();
+    }
+    let leaky = |s: f64| if s < 0.0 { 0.2 * s } else { s };
     let score = |j: usize| {
+        if aggregation == Aggregation::GatV2 {
+            let x = sum(p.dense(&h[i], "receiver"), &p.dense(&h[j], "sender"));
+            return x.into_iter().zip(p.block("attention")).map(|(x, a)| leaky(x) * a).sum();
+        }
+        let a = [p.block("attention receiver"), p.block("attention sender")].concat();
         let both = [p.times(&h[i], "graph"), p.times(&h[j], "graph")].concat();
         let s: f64 = both.iter().zip(&a).map(|(x, a)| x * a).sum();
-        if s < 0.0 { 0.2 * s } else { s }
+        leaky(s)
     };
     let powers: Vec<f64> = (0..h.len()).map(|j| if connected(i, j) { score(j).exp() } else { 0.0 }).collect();
     let total: f64 = powers.iter().sum();
@@ -130,9 +139,10 @@ fn actor(
         let mut head = p.times(own, "head own");
         if aggregation != Aggregation::None {
             // σ(Σ_j weight_ij·h_j·W): equations (5) and (7).
-            let mut y = p.block("graph bias").to_vec();
+            let w = if aggregation == Aggregation::GatV2 { "sender" } else { "graph" };
+            let mut y = p.block(&format!("{w} bias")).to_vec();
             for (weight, h) in weights(p, aggregation, &h, neighbours, i).into_iter().zip(&h) {
-                let part: Vec<f64> = p.times(h, "graph").into_iter().map(|v| weight * v).collect();
+                let part: Vec<f64> = p.times(h, w).into_iter().map(|v| weight * v).collect();
                 y = sum(y, &part);
             }
             head = sum(head, &p.times(&relu(y), "head aggregate"));
@@ -280,6 +290,16 @@ fn the_gcn_actor_is_equation_5() {
 #[test]
 fn the_gat_actor_is_equations_6_and_7() {
     check(&Actor(Aggregation::Gat));
+}
+
+#[test]
+fn the_gatv2_actor_scores_as_brody_et_al() {
+    check(&Actor(Aggregation::GatV2));
+}
+
+#[test]
+fn the_sage_actor_takes_the_mean_of_its_neighbours() {
+    check(&Actor(Aggregation::Sage));
 }
 
 #[test]

@@ -14,9 +14,14 @@ pub struct Ranges {
     pub hidden: Vec<f32>,
     /// Feature `h`, the encoder's output.
     pub feature: Vec<f32>,
-    /// Neighbours' features as combined by the aggregation; empty without one.
+    /// Neighbours' features as combined by the aggregation; empty without one, and with GATv2.
     pub combined: Vec<f32>,
-    /// Output of the graph layer; empty without aggregation.
+    /// GATv2: what a UAV scores with, `W_l h`; else empty.
+    pub receiver: Vec<f32>,
+    /// GATv2: what it broadcasts, `W_r h`; else empty.
+    pub sender: Vec<f32>,
+    /// What the head takes beside the feature: the graph layer's output, with GATv2 the combined
+    /// features. Empty without aggregation.
     pub graph: Vec<f32>,
     /// Hidden layer of the head.
     pub head: Vec<f32>,
@@ -49,6 +54,8 @@ impl Ranges {
         both(&mut self.hidden, o.hidden);
         both(&mut self.feature, o.feature);
         both(&mut self.combined, o.combined);
+        both(&mut self.receiver, o.receiver);
+        both(&mut self.sender, o.sender);
         both(&mut self.graph, o.graph);
         both(&mut self.head, o.head);
         self
@@ -94,9 +101,12 @@ fn fly(actor: &FloatActor, net: &ActorNet, world: &mut World, seed: u64) -> (Ran
         let pass = policy.forward(world);
         widen(&mut ranges.hidden, pass.hidden());
         widen(&mut ranges.feature, pass.feature());
-        if let Some((combined, graph)) = pass.graph() {
-            widen(&mut ranges.combined, combined);
-            widen(&mut ranges.graph, graph);
+        for (range, activations) in [(&mut ranges.combined, pass.combined()), (&mut ranges.graph, pass.graph())] {
+            activations.into_iter().for_each(|a| widen(range, a));
+        }
+        if let Some([receiver, sender]) = pass.ends() {
+            widen(&mut ranges.receiver, receiver);
+            widen(&mut ranges.sender, sender);
         }
         widen(&mut ranges.head, pass.head());
         let logits = (0..actions.len()).flat_map(|id| pass.logits().row(id)).copied().collect();

@@ -29,6 +29,14 @@ impl FloatLayer {
         Self { name, weights: (0..outputs).map(row).collect(), biases: biases.iter().map(|&b| f64::from(b)).collect() }
     }
 
+    /// Makes scales of signed outputs larger where no multiplier reaches them.
+    pub fn widen(&self, inputs: &[f64], scales: &mut [f64]) {
+        for ((row, &bias), scale) in self.weights.iter().zip(&self.biases).zip(scales) {
+            let folded: Vec<f64> = row.iter().zip(inputs).map(|(w, s)| w * s).collect();
+            *scale = scale.max(row_scale(&folded, bias) * 2.001 / WIDE_FACTOR);
+        }
+    }
+
     /// Puts the columns of another layer behind this one's.
     pub fn beside(mut self, weights: &[f32]) -> Self {
         let outputs = self.weights.len();
@@ -37,6 +45,24 @@ impl FloatLayer {
         }
         self
     }
+}
+
+/// Wide outputs are made of so many times the sum.
+const WIDE_FACTOR: f64 = (1u32 << WIDE_SHIFT) as f64;
+
+/// Scales of a layer's channels: ranges over 127, between the layer's (0) and each
+/// channel's own (1).
+pub fn scales(ranges: &[f32], own: f64) -> Vec<f64> {
+    let top = ranges.iter().fold(1e-6f64, |m, &r| m.max(f64::from(r)));
+    // A channel that hardly ever fires keeps a thousandth of the layer's range.
+    ranges.iter().map(|&r| top * (f64::from(r).max(top * 1e-3) / top).powf(own) / 127.0).collect()
+}
+
+/// What a unit of a row's sum is, from its weights with the scales of the inputs folded in.
+fn row_scale(folded: &[f64], bias: f64) -> f64 {
+    let largest = folded.iter().fold(0.0f64, |m, w| m.max(w.abs()));
+    // The bias must fit beside the sum; a row of zeros takes any scale.
+    (largest / 127.0).max(bias.abs() / f64::from(MAX_BIAS)).max(1e-12)
 }
 
 /// The actor file's two blobs in the making.
@@ -70,6 +96,8 @@ pub enum Output<'s> {
     Int8(&'s mut [f64]),
     /// 1/256 of a doubling.
     Wide,
+    /// A wide output with these scales.
+    Signed(&'s [f64]),
 }
 
 impl Blobs {
@@ -100,15 +128,14 @@ impl Blobs {
             if !bias.is_finite() || folded.iter().any(|w| !w.is_finite()) {
                 return Err(QuantiseError::NotFinite { layer: layer.name, row: r });
             }
-            let largest = folded.iter().fold(0.0f64, |m, w| m.max(w.abs()));
-            // The bias must fit beside the sum; a row of zeros takes any scale.
-            let scale = (largest / 127.0).max(bias.abs() / f64::from(MAX_BIAS)).max(1e-12);
+            let scale = row_scale(&folded, bias);
             let factor = match &mut output {
                 Output::Int8(scales) => {
                     scales[r] = scales[r].max(scale * 2.001);
                     scale / scales[r]
                 }
-                Output::Wide => scale * WIDE_UNITS / f64::from(1u32 << WIDE_SHIFT),
+                Output::Wide => scale * WIDE_UNITS / WIDE_FACTOR,
+                Output::Signed(scales) => scale / scales[r] / WIDE_FACTOR,
             };
             let m = multiplier(factor).ok_or(QuantiseError::TooLarge { layer: layer.name, row: r })?;
             quantised.push(folded.iter().map(|w| (w / scale).round() as i8).collect::<Vec<_>>());

@@ -4,6 +4,7 @@
 mod actor_file;
 mod calibrate;
 mod error;
+mod graph;
 mod layers;
 mod quantise;
 

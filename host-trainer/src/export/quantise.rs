@@ -2,14 +2,13 @@
 
 use super::calibrate::{Ranges, Situation, calibrate};
 use super::error::QuantiseError;
-use super::layers::{Blobs, FloatLayer, Order, Output};
+use super::graph::push_graph;
+use super::layers::{Blobs, FloatLayer, Order, Output, scales};
 use crate::eval::AnyActor;
 use crate::float_actor::{FloatActor, argmax as float_argmax};
 use covey_env::{BatchedObservation, ObservationForm, Scenario, neighbour_features};
 use firmware_core::actor::file::{Body, HEADER, TRAILER};
-use firmware_core::actor::{
-    Aggregation, Feature, LoadError, Provenance, QuantisedActor, SELF_TESTS, argmax, write_self_test,
-};
+use firmware_core::actor::{Feature, LoadError, Provenance, QuantisedActor, SELF_TESTS, argmax, write_self_test};
 use firmware_core::observation::Observation;
 use firmware_core::observation::cells::Cells;
 
@@ -75,14 +74,6 @@ fn store(body: &Body<'_>) -> Result<Vec<u8>, QuantiseError> {
     Ok(out)
 }
 
-/// Scales of a layer's channels: ranges over 127, between the layer's (0) and each
-/// channel's own (1).
-fn scales(ranges: &[f32], own: f64) -> Vec<f64> {
-    let top = ranges.iter().fold(1e-6f64, |m, &r| m.max(f64::from(r)));
-    // A channel that hardly ever fires keeps a thousandth of the layer's range.
-    ranges.iter().map(|&r| top * (f64::from(r).max(top * 1e-3) / top).powf(own) / 127.0).collect()
-}
-
 fn compose<O: BatchedObservation>(
     actor: &FloatActor,
     ranges: &Ranges,
@@ -103,22 +94,12 @@ fn compose<O: BatchedObservation>(
     blobs.push_in(order, &first, &input, Output::Int8(&mut hidden))?;
     let mut feature = scales(&ranges.feature, own);
     blobs.push(&layer("second encoder", "encoder2", "encoder2 bias"), &hidden, Output::Int8(&mut feature))?;
-    let mut aggregate_multiplier = 0;
     let mut joined = feature.clone();
     let mut head_layer = layer("head", "head own", "head bias");
-    if actor.aggregation != Aggregation::None {
-        if actor.aggregation == Aggregation::Gat {
-            blobs.push(&attention(actor), &feature, Output::Wide)?;
-        }
-        // One factor for all channels: combined features keep the features' scales,
-        // times what the fullest channel needs. Sums are Q15.
-        let grown =
-            ranges.combined.iter().zip(&feature).fold(1e-3, |m: f64, (&r, s)| m.max(f64::from(r) / (127.0 * s)));
-        aggregate_multiplier = ((1u64 << 17) as f64 / grown).round().min(f64::from(i32::MAX)) as i32;
-        let combined: Vec<f64> = feature.iter().map(|s| s * grown).collect();
-        let mut graph = scales(&ranges.graph, own);
-        blobs.push(&layer("graph", "graph", "graph bias"), &combined, Output::Int8(&mut graph))?;
-        joined.extend(graph);
+    let graph = push_graph(&mut blobs, actor, ranges, own, &feature)?;
+    let aggregate_multiplier = graph.as_ref().map_or(0, |g| g.multiplier);
+    if let Some(graph) = graph {
+        joined.extend(graph.scales);
         head_layer = head_layer.beside(p("head aggregate"));
     }
     let mut head = scales(&ranges.head, own);
@@ -138,20 +119,6 @@ fn compose<O: BatchedObservation>(
         content_hash: 0,
     };
     with_self_tests::<O>(&body, situations)
-}
-
-/// The two halves of the score, `W a₁` and `W a₂`, as a layer of two rows.
-fn attention(actor: &FloatActor) -> FloatLayer {
-    let p = |name| actor.layout.block(&actor.values, name);
-    let (w, width) = (p("graph"), usize::from(actor.dimensions.feature));
-    let half = |a: &[f32]| {
-        w.chunks_exact(width).map(|row| row.iter().zip(a).map(|(w, a)| f64::from(*w) * f64::from(*a)).sum()).collect()
-    };
-    FloatLayer {
-        name: "attention",
-        weights: vec![half(p("attention receiver")), half(p("attention sender"))],
-        biases: vec![0.0; 2],
-    }
 }
 
 /// The logits of UAV `i` of a situation whose UAVs have these features.
@@ -198,7 +165,7 @@ fn with_self_tests<O: BatchedObservation>(body: &Body<'_>, situations: &[Situati
             } else {
                 (0..s.neighbourhoods.len()).max_by_key(most).unwrap_or(0)
             };
-            let blank = Feature { values: [0; 64], attention_destination: 0, attention_source: 0 };
+            let blank = Feature { own: [0; 64], values: [0; 64], attention_destination: 0, attention_source: 0 };
             let features: Vec<Feature> =
                 O::among(&s.observations).iter().map(|o| actor.map_or(blank, |a| a.encode(o))).collect();
             let logits = actor.map_or([0; 17], |a| int8_logits(a, &features, s, i));

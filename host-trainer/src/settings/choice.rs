@@ -19,6 +19,8 @@ impl Choice for Aggregation {
         (Self::None, "none", "Plain PPO: neighbours' features are not used"),
         (Self::Gcn, "gcn", "Graph convolution"),
         (Self::Gat, "gat", "Graph attention"),
+        (Self::GatV2, "gatv2", "Graph attention in the form of Brody et al."),
+        (Self::Sage, "sage", "GraphSAGE: the mean of the neighbours"),
     ];
 }
 

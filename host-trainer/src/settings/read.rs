@@ -168,7 +168,7 @@ mod tests {
         assert!(say(s.set("gamma=nan")).contains("wants a number, not nan"));
         assert!(say(s.set("side=30")).contains("must be 60 to 10000 u"));
         assert!(say(s.set("hidden=3")).contains("must be 2 to 128, even"));
-        assert!(say(s.set("graph=gnn")).contains("\"none\", \"gcn\" or \"gat\""));
+        assert!(say(s.set("graph=gnn")).contains("\"none\", \"gcn\", \"gat\", \"gatv2\" or \"sage\""));
         assert!(say(s.set("uavs")).contains("key=value"));
         assert!(say(s.merge("a = = 1", "f.toml")).contains("f.toml is not valid TOML"));
         assert_eq!(s, Settings::default(), "a refused setting has changed something");

@@ -42,7 +42,7 @@ pub struct Settings {
     #[serde(with = "choice")]
     #[schemars(schema_with = "choice::schema::<ObservationForm>")]
     pub observation: ObservationForm,
-    /// Aggregation of neighbours' features: "none", "gcn" or "gat".
+    /// Aggregation of neighbours' features: "none", "gcn", "gat", "gatv2" or "sage".
     #[serde(with = "choice")]
     #[schemars(schema_with = "choice::schema::<Aggregation>")]
     pub graph: Aggregation,

@@ -18,6 +18,10 @@ pub const NONE: u64 = 0;
 pub const GCN: u64 = 1;
 /// Graph attention.
 pub const GAT: u64 = 2;
+/// Graph attention scored by the receiver.
+pub const GATV2: u64 = 3;
+/// Mean of the neighbours.
+pub const SAGE: u64 = 4;
 
 /// A dense layer, `weights[row][column]`.
 pub struct PlainLayer {
@@ -47,10 +51,22 @@ pub struct PlainActor {
     pub content_hash: u64,
     pub encoder1: PlainLayer,
     pub encoder2: PlainLayer,
+    /// GATv2: receiver, sender.
+    pub ends: Option<[PlainLayer; 2]>,
     pub attention: Option<PlainLayer>,
     pub graph: Option<PlainLayer>,
     pub head: PlainLayer,
     pub output: PlainLayer,
+}
+
+/// What a UAV makes of its observation.
+pub struct PlainFeature {
+    /// For its own head.
+    pub own: Vec<i64>,
+    /// Broadcast.
+    pub values: Vec<i64>,
+    /// Halves of the score: kept, broadcast.
+    pub halves: [i64; 2],
 }
 
 /// A neighbour as it was heard.
@@ -148,8 +164,13 @@ impl PlainActor {
         let [observation, hidden, feature, head, actions] = widths;
         let encoder1 = layers.take(hidden, observation);
         let encoder2 = layers.take(feature, hidden);
-        let attention = (aggregation == GAT).then(|| layers.take(2, feature));
-        let graph = (aggregation != NONE).then(|| layers.take(feature, feature));
+        let ends = (aggregation == GATV2).then(|| [(); 2].map(|()| layers.take(feature, feature)));
+        let attention = match aggregation {
+            GAT => Some(layers.take(2, feature)),
+            GATV2 => Some(layers.take(1, feature)),
+            _ => None,
+        };
+        let graph = [GCN, GAT, SAGE].contains(&aggregation).then(|| layers.take(feature, feature));
         let head_layer = layers.take(head, if aggregation == NONE { feature } else { 2 * feature });
         let output = layers.take(actions, head);
         assert!(layers.weights.is_empty() && layers.tables.is_empty(), "the layers fill both blobs");
@@ -168,6 +189,7 @@ impl PlainActor {
             content_hash,
             encoder1,
             encoder2,
+            ends,
             attention,
             graph,
             head: head_layer,
@@ -187,20 +209,29 @@ impl PlainActor {
         fnv(&bytes)
     }
 
-    /// Feature, own and broadcast half of the attention score.
-    pub fn encode(&self, observation: &[i8]) -> (Vec<i64>, i64, i64) {
+    /// The feature, own and broadcast.
+    pub fn encode(&self, observation: &[i8]) -> PlainFeature {
         let x: Vec<i64> = observation.iter().map(|&o| o.into()).collect();
-        let h = self.encoder2.rectified(&self.encoder1.rectified(&x));
-        let halves = self.attention.as_ref().map_or(vec![0, 0], |a| a.wide(&h));
-        (h, halves[0], halves[1])
+        let own = self.encoder2.rectified(&self.encoder1.rectified(&x));
+        match (&self.ends, &self.attention) {
+            (Some([_, sender]), _) => {
+                let values = sender.wide(&own).iter().map(|v| (*v).clamp(-127, 127)).collect();
+                PlainFeature { own, values, halves: [0, 0] }
+            }
+            (None, attention) => {
+                let halves = attention.as_ref().map_or(vec![0, 0], |a| a.wide(&own));
+                PlainFeature { values: own.clone(), own, halves: [halves[0], halves[1]] }
+            }
+        }
     }
 
     /// The logits of a UAV that sees `observation` and has heard `neighbours`.
     pub fn logits(&self, observation: &[i8], degree: u8, neighbours: &[PlainNeighbour]) -> Vec<i64> {
-        let (own, attention_destination, attention_source) = self.encode(observation);
+        let PlainFeature { own, values: sent, halves: [attention_destination, attention_source] } =
+            self.encode(observation);
         let values = |n: &PlainNeighbour| n.values.iter().map(|&v| i64::from(v)).collect();
         // Oneself first.
-        let mut around: Vec<(Vec<i64>, u8, i64)> = vec![(own.clone(), degree, attention_source)];
+        let mut around: Vec<(Vec<i64>, u8, i64)> = vec![(sent, degree, attention_source)];
         around.extend(neighbours.iter().take(16).map(|n| (values(n), n.degree, i64::from(n.attention_source))));
         let weights: Vec<i64> = match self.aggregation {
             NONE => Vec::new(),
@@ -208,24 +239,46 @@ impl PlainActor {
                 let root = |d: u8| (32_768.0 / f64::from(d).sqrt()).round() as i64;
                 around.iter().map(|(_, d, _)| (root(degree) * root(*d) + (1 << 14)) >> 15).collect()
             }
+            GAT => shares(&around.iter().map(|(_, _, t)| leaky(attention_destination + t)).collect::<Vec<_>>()),
+            GATV2 => {
+                let receiver = self.ends.as_ref().map(|[receiver, _]| receiver.wide(&own)).expect("two ends");
+                let score = |sent: &Vec<i64>| {
+                    let sums = receiver.iter().zip(sent).map(|(l, r)| (*l).clamp(-511, 511) + r);
+                    // Five times the leaky ReLU.
+                    let fifths: Vec<i64> = sums.map(|x| x.max(5 * x)).collect();
+                    self.attention.as_ref().expect("a").wide(&fifths)[0]
+                };
+                shares(&around.iter().map(|(sent, _, _)| score(sent)).collect::<Vec<_>>())
+            }
             _ => {
-                let scores: Vec<i64> = around.iter().map(|(_, _, t)| leaky(attention_destination + t)).collect();
-                let top = *scores.iter().max().expect("oneself");
-                let raw: Vec<i64> = scores.iter().map(|s| power(top - s)).collect();
-                let total: i64 = raw.iter().sum();
-                raw.iter().map(|w| ((w << 15) + total / 2) / total).collect()
+                // Of the others alone, each alike.
+                let others = around.len() as i64 - 1;
+                let share = (32_768.0 / others as f64).round() as i64;
+                std::iter::once(0).chain((0..others).map(|_| share)).collect()
             }
         };
         let mut joined = own;
-        if let Some(graph) = &self.graph {
+        if self.aggregation != NONE {
             let mean: Vec<i64> = (0..self.widths[2])
                 .map(|k| weights.iter().zip(&around).map(|(w, (h, _, _))| w * h[k]).sum())
                 .map(|sum| requantise(sum, self.aggregate_multiplier).clamp(-127, 127))
                 .collect();
-            joined.extend(graph.rectified(&mean));
+            // Without a graph layer a rectifier is left of it.
+            joined.extend(match &self.graph {
+                Some(graph) => graph.rectified(&mean),
+                None => mean.into_iter().map(|v| v.max(0)).collect(),
+            });
         }
         self.output.wide(&self.head.rectified(&joined))
     }
+}
+
+/// Softmax of scores, Q15.
+fn shares(scores: &[i64]) -> Vec<i64> {
+    let top = *scores.iter().max().expect("oneself");
+    let raw: Vec<i64> = scores.iter().map(|s| power(top - s)).collect();
+    let total: i64 = raw.iter().sum();
+    raw.iter().map(|w| ((w << 15) + total / 2) / total).collect()
 }
 
 impl PlainLayer {

@@ -18,10 +18,14 @@ pub struct Actors {
     pub gcn: PathBuf,
     /// Graph attention.
     pub gat: PathBuf,
+    /// Graph attention in the form of Brody et al.
+    pub gatv2: PathBuf,
+    /// Mean of the neighbours.
+    pub sage: PathBuf,
 }
 
 impl Actors {
-    /// Writes the three files.
+    /// Writes the files.
     ///
     /// # Errors
     /// The example program that makes them cannot be built or run.
@@ -34,17 +38,28 @@ impl Actors {
             Cmd::cargo().args(example).arg("--").arg(kind).arg(&file).read()?;
             Ok(file)
         };
-        Ok(Self { none: make("none")?, gcn: make("gcn")?, gat: make("gat")? })
+        Ok(Self {
+            none: make("none")?,
+            gcn: make("gcn")?,
+            gat: make("gat")?,
+            gatv2: make("gatv2")?,
+            sage: make("sage")?,
+        })
     }
 
-    /// Computes the signature of each file with `sign` and combines the three into one number (64-bit FNV-1a hash
+    /// All of them, in a fixed order.
+    pub const fn all(&self) -> [&PathBuf; 5] {
+        [&self.none, &self.gcn, &self.gat, &self.gatv2, &self.sage]
+    }
+
+    /// Computes the signature of each file with `sign` and combines them into one number (64-bit FNV-1a hash
     /// over their little-endian bytes).
     ///
     /// # Errors
     /// The errors of `sign`.
     pub fn signature(&self, sign: impl Fn(&PathBuf) -> Result<u64>) -> Result<u64> {
         let mut hash = Fnv1a::new();
-        for actor in [&self.none, &self.gcn, &self.gat] {
+        for actor in self.all() {
             hash.write(&sign(actor)?.to_le_bytes());
         }
         Ok(hash.finish())

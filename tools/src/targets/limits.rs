@@ -13,6 +13,8 @@ pub const DENSE_LIMIT: u64 = 15_000;
 pub const STEP_GCN_LIMIT: u64 = 60_000;
 /// Most instructions of a whole step with 16 neighbours, with graph attention.
 pub const STEP_GAT_LIMIT: u64 = 75_000;
+/// Most instructions of a whole step with 16 neighbours, with graph attention in the form of Brody et al.
+pub const STEP_GATV2_LIMIT: u64 = 90_000;
 /// Most code of the flight program, its board layer included, bytes.
 pub const CODE_LIMIT: u64 = 32 * 1024;
 /// Most static RAM of the flight program, with a neighbour table of 16, bytes.
@@ -55,6 +57,8 @@ pub fn beyond_limits(row: &Row) -> Vec<String> {
         ("dense_128_64_64_17, instructions", row.instructions.dense_128_64_64_17, DENSE_LIMIT),
         ("step16_gcn, instructions", row.instructions.step16_gcn, STEP_GCN_LIMIT),
         ("step16_gat, instructions", row.instructions.step16_gat, STEP_GAT_LIMIT),
+        ("step16_gatv2, instructions", row.instructions.step16_gatv2, STEP_GATV2_LIMIT),
+        ("step16_sage, instructions", row.instructions.step16_sage, STEP_GCN_LIMIT),
         ("code, bytes", embedded.then_some(row.text_bytes), CODE_LIMIT),
         ("static RAM, bytes", embedded.then_some(row.static_ram_bytes), STATIC_RAM_LIMIT),
         ("stack, bytes", row.stack_bytes, STACK_LIMIT),
@@ -113,6 +117,8 @@ mod tests {
                 dense_128_64_64_17: Some(DENSE_LIMIT),
                 step16_gcn: Some(STEP_GCN_LIMIT),
                 step16_gat: Some(STEP_GAT_LIMIT),
+                step16_gatv2: Some(STEP_GATV2_LIMIT),
+                step16_sage: Some(STEP_GCN_LIMIT),
                 ..Instructions::default()
             },
         }

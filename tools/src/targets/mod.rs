@@ -90,10 +90,12 @@ fn measure() -> Result<Vec<Row>> {
         machine.check_gate(&image)?;
         let signature = actors.signature(|actor| machine.signature(&image, actor, FINGERPRINT_CASES))?;
         let mut row = row_of(machine.target(), "release", signature, sizes);
-        let (gcn, gat) = (machine.costs(&image, &actors.gcn)?, machine.costs(&image, &actors.gat)?);
-        row.instructions = Instructions::of(&gcn, &gat)?;
+        let costs = |actor| machine.costs(&image, actor);
+        let [gcn, gat] = [costs(&actors.gcn)?, costs(&actors.gat)?];
+        let [gatv2, sage] = [costs(&actors.gatv2)?, costs(&actors.sage)?];
+        row.instructions = Instructions::of([&gcn, &gat, &gatv2, &sage])?;
         flight::refuses_bad_files(machine, &image, &actors)?;
-        row.stack_bytes = Some(flight::fly(machine, &image, &[&actors.none, &actors.gcn, &actors.gat])?);
+        row.stack_bytes = Some(flight::fly(machine, &image, &actors.all().map(PathBuf::as_path))?);
         rows.push(row);
     }
     Ok(rows)

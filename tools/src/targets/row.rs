@@ -13,7 +13,7 @@ pub struct Row {
     pub target: String,
     /// Name of the build profile.
     pub profile: String,
-    /// The combined signature of the three sample actors, 16 hexadecimal digits.
+    /// The combined signature of the sample actors, one of each aggregation, 16 hexadecimal digits.
     pub signature: String,
     /// Code, bytes: of the flight program on Cortex-M, of the node elsewhere.
     pub text_bytes: u64,
@@ -38,41 +38,53 @@ pub struct Instructions {
     pub per_neighbour_gcn: Option<u64>,
     /// Taking in one neighbour's feature, GAT.
     pub per_neighbour_gat: Option<u64>,
+    /// Taking in one neighbour's feature, GATv2.
+    pub per_neighbour_gatv2: Option<u64>,
     /// Feature to sampled action, no neighbours, GCN.
     pub decide: Option<u64>,
     /// Encode, 16 neighbours, decide, sample: GCN.
     pub step16_gcn: Option<u64>,
     /// Encode, 16 neighbours, decide, sample: GAT.
     pub step16_gat: Option<u64>,
+    /// Encode, 16 neighbours, decide, sample: GATv2.
+    pub step16_gatv2: Option<u64>,
+    /// Encode, 16 neighbours, decide, sample: `GraphSAGE`.
+    pub step16_sage: Option<u64>,
 }
 
 impl Instructions {
-    /// The counts from the results of an actor with graph convolution and one with graph attention.
+    /// The counts from the results of an actor of each aggregation.
     ///
     /// # Errors
     /// A count is missing.
-    pub fn of(gcn: &Results, gat: &Results) -> Result<Self> {
+    pub fn of([gcn, gat, gatv2, sage]: [&Results; 4]) -> Result<Self> {
         Ok(Self {
             dense_128_64_64_17: Some(gcn.count("dense_128_64_64_17")?),
             encode: Some(gcn.count("encode")?),
             per_neighbour_gcn: Some(gcn.count("per_neighbour")?),
             per_neighbour_gat: Some(gat.count("per_neighbour")?),
+            per_neighbour_gatv2: Some(gatv2.count("per_neighbour")?),
             decide: Some(gcn.count("decide")?),
             step16_gcn: Some(gcn.count("step16")?),
             step16_gat: Some(gat.count("step16")?),
+            step16_gatv2: Some(gatv2.count("step16")?),
+            step16_sage: Some(sage.count("step16")?),
         })
     }
 
     /// The counts with their names.
-    pub fn named(self) -> [(&'static str, Option<u64>); 7] {
+    pub fn named(self) -> [(&'static str, Option<u64>); 10] {
         [
             ("dense_128_64_64_17", self.dense_128_64_64_17),
             ("encode", self.encode),
             ("per_neighbour_gcn", self.per_neighbour_gcn),
             ("per_neighbour_gat", self.per_neighbour_gat),
+            ("per_neighbour_gatv2", self.per_neighbour_gatv2),
             ("decide", self.decide),
             ("step16_gcn", self.step16_gcn),
             ("step16_gat", self.step16_gat),
+            ("step16_gatv2", self.step16_gatv2),
+            ("step16_sage", self.step16_sage),
         ]
     }
 }

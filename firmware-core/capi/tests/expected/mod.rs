@@ -95,6 +95,7 @@ fn layout(pointers: &Pointers) -> String {
     line("sizeof(covey_feature)", size_of::<CoveyFeature>());
     line("covey_feature.attending", offset_of!(CoveyFeature, attention_destination));
     line("covey_feature.attended", offset_of!(CoveyFeature, attention_source));
+    line("covey_feature.own", offset_of!(CoveyFeature, own));
     pointers.feature.iter().for_each(|&(name, value)| line(name, value));
     line("sizeof(covey_decision)", size_of::<CoveyDecision>());
     line("covey_decision.action", offset_of!(CoveyDecision, action));
@@ -192,6 +193,7 @@ fn flight(file: &[u8]) -> String {
     line("covey_encode(&actor, view.observation, &own) 0".into());
     let h = actor.encode(&observation);
     line(format!("feature{} {} {}", numbers(h.values), h.attention_destination, h.attention_source));
+    line(format!("own{}", numbers(h.own)));
 
     let width = usize::from(actor.dimensions().feature);
     let values: Vec<Vec<i8>> =

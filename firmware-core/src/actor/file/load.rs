@@ -5,6 +5,7 @@ use super::envelope::{CRC, HEADER, MAGIC, TRAILER, VERSION};
 use super::error::LoadError;
 use crate::action::ACTIONS;
 use crate::actor::aggregation::Aggregation;
+use crate::actor::aggregator::Aggregator;
 use crate::actor::dimensions::Dimensions;
 use crate::actor::feature::MAX_FEATURE;
 use crate::actor::input_layer::ActorInput;
@@ -40,17 +41,13 @@ impl<'a, O: ActorInput> QuantisedActor<'a, O> {
         }
         let (mut weights, mut tables) = (body.weights, body.tables);
         let encoder1 = O::take_layer(&mut weights, &mut tables, hidden)?;
-        let mut take = |rows: u16, columns: usize| {
-            Layer::take(&mut weights, &mut tables, usize::from(rows), columns).map_err(LoadError::from)
-        };
-        let feature = usize::from(d.feature);
-        let encoder2 = take(d.feature, hidden)?;
-        let gat = body.aggregation == Aggregation::Gat;
-        let attention = if gat { take(2, feature)? } else { Layer::default() };
-        let graphed = body.aggregation != Aggregation::None;
-        let graph = if graphed { take(d.feature, feature)? } else { Layer::default() };
-        let head = take(d.head, if graphed { 2 * feature } else { feature })?;
-        let output = take(d.actions, usize::from(d.head))?;
+        let mut take = |rows, columns| Layer::take(&mut weights, &mut tables, rows, columns);
+        let [feature, head_width] = [d.feature, d.head].map(usize::from);
+        let encoder2 = take(feature, hidden)?;
+        let aggregator = Aggregator::take(body.aggregation, feature, &mut take)?;
+        let joined = if body.aggregation == Aggregation::None { feature } else { 2 * feature };
+        let head = take(head_width, joined)?;
+        let output = take(usize::from(d.actions), head_width)?;
         if body.aggregate_multiplier < 0 {
             return Err(LoadError::OutOfRange);
         }
@@ -63,7 +60,6 @@ impl<'a, O: ActorInput> QuantisedActor<'a, O> {
             return Err(LoadError::ContentHash);
         }
         Ok(Self {
-            aggregation: body.aggregation,
             dimensions: d,
             tie_period: body.tie_period,
             content_hash: body.content_hash,
@@ -71,8 +67,7 @@ impl<'a, O: ActorInput> QuantisedActor<'a, O> {
             self_tests: body.self_tests,
             encoder1,
             encoder2,
-            attention,
-            graph,
+            aggregator,
             head,
             output,
             aggregate_multiplier: body.aggregate_multiplier,

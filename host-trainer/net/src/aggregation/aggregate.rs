@@ -3,9 +3,39 @@
 use super::attention::{Attention, AttentionGradient, AttentionScores};
 use super::edges::Edges;
 use super::gcn::weigh_by_degree;
+use super::sage::weigh_alike;
 use crate::input::Inputs;
 use crate::kernel::{Vectorised, vectorised};
 use crate::matrix::Rows;
+use crate::parameter_layout::ParameterLayout;
+
+/// By which weights features are summed.
+#[derive(Clone, Debug)]
+pub enum Weighing {
+    /// Those of a GCN.
+    Degree,
+    /// Those of `GraphSAGE`: all neighbours alike, the UAV itself not.
+    Alike,
+    /// Those of a GAT.
+    Attention(Attention),
+}
+
+impl Weighing {
+    /// Attention, if there is any.
+    pub const fn attention(&self) -> Option<&Attention> {
+        match self {
+            Self::Attention(a) => Some(a),
+            Self::Degree | Self::Alike => None,
+        }
+    }
+
+    /// Takes the actor's parameters.
+    pub fn load(&mut self, layout: &ParameterLayout, values: &[f32]) {
+        if let Self::Attention(a) = self {
+            a.load(layout, values);
+        }
+    }
+}
 
 /// The edges of a micro-batch with their weights, kept from the forward to the backward pass.
 #[derive(Clone, Debug, Default)]
@@ -15,11 +45,10 @@ pub struct Aggregate {
 }
 
 impl Aggregate {
-    /// `combined[i] = Σ_j weight_ij · feature[j]` over each UAV itself and its neighbours: with
-    /// the weights of a GAT if there is attention, else with those of a GCN.
-    pub fn forward(&mut self, inputs: &Inputs, attention: Option<&Attention>, feature: &Rows, combined: &mut Rows) {
+    /// `combined[i] = Σ_j weight_ij · feature[j]` over each UAV itself and its neighbours.
+    pub fn forward(&mut self, inputs: &Inputs, weighing: &Weighing, feature: &Rows, combined: &mut Rows) {
         combined.resize(feature.rows());
-        vectorised(Forward { aggregate: self, inputs, attention, feature, combined });
+        vectorised(Forward { aggregate: self, inputs, weighing, feature, combined });
         // Hardly any are zero.
         combined.fill_masks();
     }
@@ -41,7 +70,7 @@ impl Aggregate {
 struct Forward<'a> {
     aggregate: &'a mut Aggregate,
     inputs: &'a Inputs,
-    attention: Option<&'a Attention>,
+    weighing: &'a Weighing,
     feature: &'a Rows,
     combined: &'a mut Rows,
 }
@@ -53,9 +82,10 @@ impl Vectorised for Forward<'_> {
     fn call(self) {
         let Aggregate { edges, scores } = self.aggregate;
         edges.list(self.inputs);
-        match self.attention {
-            None => weigh_by_degree(edges, self.inputs.neighbours()),
-            Some(attention) => scores.weigh(edges, attention, self.feature),
+        match self.weighing {
+            Weighing::Degree => weigh_by_degree(edges, self.inputs.neighbours()),
+            Weighing::Alike => weigh_alike(edges),
+            Weighing::Attention(attention) => scores.weigh(edges, attention, self.feature),
         }
         edges.combine(self.feature, self.combined);
     }

@@ -1,15 +1,14 @@
 //! The weights of a GAT (paper, equation 6).
 
 use super::edges::Edges;
-use super::vectors::{add_scaled, dot};
+use super::vectors::{add_scaled, dot, softmax};
 use crate::kernel::padded;
-use crate::math::exp;
 use crate::matrix::Rows;
 use crate::parameter_layout::ParameterLayout;
 use firmware_core::observation::MAX_NEIGHBOURS;
 
 /// Slope of the leaky ReLU below zero.
-const LEAKY_SLOPE: f32 = 0.2;
+pub(super) const LEAKY_SLOPE: f32 = 0.2;
 
 /// Attention's parameters, ready to score features: `aᵀ[W h_i ‖ W h_j]` is
 /// `h_i·(W a₁) + h_j·(W a₂)`.
@@ -97,19 +96,12 @@ impl AttentionScores {
         for (i, &end) in edges.ends.iter().enumerate() {
             let range = first..end as usize;
             let (weights, slopes) = (&mut edges.weights[range.clone()], &mut self.slopes[range.clone()]);
-            let mut max = f32::NEG_INFINITY;
             for ((w, slope), &j) in weights.iter_mut().zip(slopes).zip(&edges.to[range]) {
                 let score = self.halves[0][i] + self.halves[1][j as usize];
                 *slope = if score < 0.0 { LEAKY_SLOPE } else { 1.0 };
                 *w = score * *slope;
-                max = max.max(*w);
             }
-            let mut sum = 0.0;
-            for w in weights.iter_mut() {
-                *w = exp(*w - max);
-                sum += *w;
-            }
-            weights.iter_mut().for_each(|w| *w /= sum);
+            softmax(weights);
             first = end as usize;
         }
     }

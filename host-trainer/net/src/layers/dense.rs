@@ -92,6 +92,11 @@ impl Dense {
         self.bias.load(layout, values);
     }
 
+    /// The weights alone.
+    pub const fn weights(&self) -> &Weights {
+        &self.weights
+    }
+
     /// `out = activation(b + x·w)`.
     pub fn forward(&self, x: &Rows, activation: Activation<'_>, out: &mut Rows) {
         self.weights.forward(x, self.bias.init(), activation, out);

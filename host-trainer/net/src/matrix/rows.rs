@@ -93,6 +93,21 @@ impl Rows {
         }
     }
 
+    /// A ReLU; the masks name what it lets through.
+    pub(crate) fn rectify(&mut self) {
+        let (width, stride, words) = (self.width, self.stride, self.words);
+        let (values, masks) = self.values_and_masks_mut();
+        for (row, masks) in values.chunks_exact_mut(stride).zip(masks.chunks_exact_mut(words)) {
+            for (word, part) in masks.iter_mut().zip(row[..width].chunks_mut(64)) {
+                *word = 0;
+                for (c, v) in part.iter_mut().enumerate() {
+                    *word |= u64::from(*v > 0.0) << c;
+                    *v = v.max(0.0);
+                }
+            }
+        }
+    }
+
     /// Sets the masks to everything.
     pub(crate) fn fill_masks(&mut self) {
         self.masks[..self.rows * self.words].fill(u64::MAX);

@@ -2,6 +2,9 @@
 
 use firmware_core::actor::Aggregation;
 
+/// The paper's three algorithms, which its statements are about.
+pub const ALGORITHMS: [Aggregation; 3] = [Aggregation::None, Aggregation::Gcn, Aggregation::Gat];
+
 /// Numbers of UAVs with which the paper flies its trained policies.
 pub const SIZES: [u16; 6] = [5, 10, 15, 20, 25, 30];
 
@@ -15,5 +18,7 @@ pub const fn title(graph: Aggregation) -> &'static str {
         Aggregation::None => "plain PPO",
         Aggregation::Gcn => "GCN",
         Aggregation::Gat => "GAT",
+        Aggregation::GatV2 => "GATv2",
+        Aggregation::Sage => "GraphSAGE",
     }
 }

@@ -1,6 +1,6 @@
 //! The two groups of runs and their settings.
 
-use super::design::WORLDS;
+use super::design::{ALGORITHMS, WORLDS};
 use crate::settings::{Settings, keys};
 use clap::ValueEnum;
 use covey_env::ObservationForm;
@@ -43,7 +43,7 @@ impl Kind {
     #[must_use]
     pub const fn graphs(self) -> &'static [Aggregation] {
         match self {
-            Self::Paper => &[Aggregation::None, Aggregation::Gcn, Aggregation::Gat],
+            Self::Paper => &ALGORITHMS,
             Self::Shipped => &[Aggregation::None, Aggregation::Gcn],
         }
     }

@@ -1,6 +1,6 @@
 //! Numbers taken from a run, and over seeds from runs.
 
-use super::design::title;
+use super::design::{ALGORITHMS, title};
 use super::metric::Metric;
 use super::results::{Curves, Group, Results, RunResult};
 use super::statistics::{mean, scatter_around_line, slope};
@@ -49,9 +49,9 @@ pub enum When {
 /// A number of every seed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
-    /// Mean over the algorithms.
+    /// Mean over the paper's algorithms.
     Mean(Quantity),
-    /// Least to greatest among the algorithms.
+    /// Least to greatest among the paper's algorithms.
     Spread(Quantity),
     /// One algorithm less another, same seed.
     Difference(Quantity, Aggregation, Aggregation),
@@ -157,7 +157,8 @@ impl Measure {
     /// One value a seed, for the seeds that have all the runs it needs.
     #[must_use]
     pub fn values(&self, group: &Group, results: &Results) -> Vec<f64> {
-        let graphs = group.graphs();
+        let mut graphs = group.graphs();
+        graphs.retain(|g| ALGORITHMS.contains(g));
         let of = |q: Quantity, graph, seed| group.run(graph, seed).map(|run| q.of(run, results));
         let all = |q: Quantity, seed| graphs.iter().map(|&g| of(q, g, seed)).collect::<Option<Vec<f64>>>();
         let value = |&seed: &u64| match *self {

@@ -2,7 +2,7 @@
 
 use super::claims::{CLAIMS, Claim};
 use super::compare::improvements;
-use super::design::title;
+use super::design::{ALGORITHMS, title};
 use super::figures::{COMPARED, FIGURES, Figure};
 use super::judge::{Criterion, Finding, Verdict};
 use super::kind::Kind;
@@ -58,6 +58,19 @@ fn introduction(results: &Results) -> String {
             seeds.join(", "),
             g.episodes(),
             g.setting("uavs")
+        );
+    }
+    let others: Vec<&str> = Aggregation::ALL
+        .into_iter()
+        .filter(|g| !ALGORITHMS.contains(g) && results.groups.iter().any(|group| group.graphs().contains(g)))
+        .map(title)
+        .collect();
+    if !others.is_empty() {
+        let _ = writeln!(
+            out,
+            "\n{} beside the paper's three. Its equation (6) is the attention of Veličković et al., our GAT; the work that it cites for attention, \
+             Brody et al.,\nhas another, our GATv2. Its statements are judged of plain PPO, GCN and GAT.",
+            others.join(" and "),
         );
     }
     if results.groups.iter().any(|g| g.seeds().len() < 3) {
