@@ -6,6 +6,7 @@ use firmware_core::actor::{
 };
 use firmware_core::observation::cells::Cells;
 use firmware_core::observation::{BuildObservation, Observation};
+use host_trainer::eval::UNWATCHED;
 use host_trainer::export::{Situation, calibrate, quantise, situation_agreement};
 use host_trainer::float_actor::FloatActor;
 use host_trainer::settings::Settings;
@@ -73,15 +74,15 @@ fn check_as<O: BatchedObservation>(settings: &Settings) -> f64 {
     let float = trained(settings);
     let scenario = settings.world();
     let provenance = Provenance { trainer: "tests", seed: 3, ..Provenance::default() };
-    let file = quantise(&float, &scenario, 1, settings.calibration_worlds, provenance).expect("quantised");
-    let again = quantise(&float, &scenario, 1, settings.calibration_worlds, provenance).expect("quantised");
+    let file = quantise(&float, &scenario, 1, settings.calibration_worlds, provenance, UNWATCHED).expect("quantised");
+    let again = quantise(&float, &scenario, 1, settings.calibration_worlds, provenance, UNWATCHED).expect("quantised");
     assert!(file == again, "{name}: quantised twice, two files");
     let actor = QuantisedActor::<O>::load(&file).expect("a sound file");
     actor.self_test().expect("the self-test holds");
     assert_eq!((actor.aggregation(), actor.dimensions()), (float.aggregation, float.dimensions));
     assert_eq!((actor.tie_period(), actor.provenance()), (settings.tie_period, provenance));
     // Worlds that calibration has not seen.
-    let (_, situations) = calibrate(&float, &scenario, 2, 4).expect("flown");
+    let (_, situations) = calibrate(&float, &scenario, 2, 4, UNWATCHED).expect("flown");
     let (agreeing, apart) = compare(&actor, &situations);
     println!("{name}: agreement {agreeing:.4}, logits {apart:.4} apart");
     assert!(apart < 0.05, "{name}: logits are {apart:.4} of their spread apart");
@@ -133,7 +134,7 @@ fn networks_on_cells_keep_their_choices_in_int8() {
 fn an_actor_of_another_form_is_refused() {
     let file = |observation| {
         let settings = Settings { observation, episodes: 16, hidden: 10, ..tiny(Aggregation::Gcn) };
-        quantise(&trained(&settings), &settings.world(), 1, 2, Provenance::default()).expect("quantised")
+        quantise(&trained(&settings), &settings.world(), 1, 2, Provenance::default(), UNWATCHED).expect("quantised")
     };
     let (compact, cells) = (file(ObservationForm::Compact), file(ObservationForm::Cells));
     let refused = Actor::load(&cells).expect_err("another form");
@@ -165,7 +166,8 @@ fn a_temperature_scales_the_exported_logits() {
     let cool = Settings { episodes: 16, temperature: 1.0, ..tiny(Aggregation::Gcn) };
     let warm = Settings { temperature: 2.0, ..cool.clone() };
     let (one, two) = (trained(&cool), trained(&warm));
-    let logits = |actor: &FloatActor| calibrate(actor, &cool.world(), 2, 1).expect("flown").1[0].logits.clone();
+    let logits =
+        |actor: &FloatActor| calibrate(actor, &cool.world(), 2, 1, UNWATCHED).expect("flown").1[0].logits.clone();
     for (a, b) in logits(&one).iter().zip(logits(&two)) {
         assert!((a / 2.0 - b).abs() < 1e-5 * (1.0 + a.abs()), "{a} {b}");
     }

@@ -11,6 +11,7 @@ use crate::command::Cmd;
 use crate::document;
 use crate::error::{Error, Result};
 use crate::figures::{self, grouped, is_close};
+use crate::output::{print, tell};
 use crate::setup::{self, Item};
 use crate::workspace;
 
@@ -50,16 +51,12 @@ struct Count {
 /// A build or a run failed, or counts are not what they should be; the error names all of them.
 pub fn main(args: &Args) -> Result<()> {
     if !has_avx2() {
-        println!("left out: the counts are of the code for AVX2 and FMA, which this processor does not have");
-        return Ok(());
+        return print("left out: the counts are of the code for AVX2 and FMA, which this processor does not have\n");
     }
     setup::install(NEEDS)?;
     let counts = measure()?;
-    if args.json {
-        println!("{}", figures::json(&counts));
-    } else {
-        println!("{}", table(&counts));
-    }
+    let text = if args.json { figures::json(&counts) } else { table(&counts) };
+    print(&format!("{text}\n"))?;
     let path = workspace::root().join("docs/counts.json");
     if args.bless {
         figures::write(&path, &counts)?;
@@ -67,7 +64,7 @@ pub fn main(args: &Args) -> Result<()> {
     }
     let complaints = complaints(&counts, &figures::read(&path)?);
     if complaints.is_empty() {
-        eprintln!("counts: every count is within its limits");
+        tell!("counts: every count is within its limits");
         return Ok(());
     }
     Err(Error::Figures(complaints.join("\n") + "\nafter a deliberate change: cargo xtask counts --bless"))
@@ -92,7 +89,7 @@ fn measure() -> Result<Vec<Count>> {
 
 /// Counts the instructions of one part.
 fn count(program: &Path, part: &str) -> Result<Count> {
-    eprintln!("counts: {part}");
+    tell!("counts: {part}");
     let command = Cmd::new("valgrind")
         .args(["--tool=callgrind", "--callgrind-out-file=/dev/null", "--toggle-collect=counted::counted"])
         .arg(PathBuf::from(program))

@@ -73,6 +73,9 @@ pub enum Error {
     /// An emulated board did not do what it should; the text says what it did.
     #[error("{0}")]
     Board(String),
+    /// The task's result cannot be printed.
+    #[error("cannot write to standard output: {0}; send it elsewhere to see the result")]
+    Print(io::Error),
     /// The output of a program could not be understood.
     #[error("{command}\nprinted something that was not expected here:\n{printed}")]
     Output {

@@ -7,6 +7,7 @@ mod error;
 mod figures;
 mod flash;
 mod modules;
+mod output;
 mod setup;
 mod sitl;
 mod size;
@@ -17,6 +18,7 @@ mod workspace;
 use std::process::ExitCode;
 
 use clap::Parser;
+use output::tell;
 
 /// Sets up, tests, builds for targets, measures and flashes Covey.
 #[derive(Parser)]
@@ -56,7 +58,7 @@ fn main() -> ExitCode {
         // The output of a test run ends with the count of its tests, so nothing is printed after it.
         Err(error::Error::Reported) => ExitCode::FAILURE,
         Err(error) => {
-            eprintln!("error: {error}");
+            tell!("error: {error}");
             ExitCode::FAILURE
         }
     }

@@ -34,10 +34,15 @@ pub struct Args {
 /// Builds the node, runs the suite and prints its table.
 ///
 /// # Errors
-/// No build is named, something cannot be set up, or a case was otherwise than documented.
+/// No build is named or it is not there, something cannot be set up, or a case was otherwise than documented.
 pub fn main(args: &Args) -> Result<()> {
     if args.arducopter.is_none() && args.px4.is_none() {
         return Err(Error::Setup(WHERE.into()));
+    }
+    // Before anything is installed or built for it.
+    let programs = [args.arducopter.clone(), args.px4.as_ref().map(|folder| folder.join("bin/px4"))];
+    if let Some(missing) = programs.into_iter().flatten().find(|program| !program.is_file()) {
+        return Err(Error::content(&missing, format!("there is no such program; {WHERE}")));
     }
     if !simlink::is_present() {
         simlink::install()?;

@@ -8,6 +8,7 @@ use firmware_core::actor::{Actor, Aggregation};
 
 use crate::error::{Error, Result};
 use crate::figures::grouped;
+use crate::output;
 use crate::setup;
 use crate::targets::artefacts::{Board, Image};
 use crate::targets::qemu::Machine;
@@ -53,7 +54,7 @@ pub fn main(args: &Args) -> Result<()> {
             line.figures.push(figure);
         }
     }
-    print(&builds.map(|(name, _)| name), &lines);
+    print(&builds.map(|(name, _)| name), &lines)?;
     let beyond: Vec<String> = lines.iter().filter(|line| !line.fits()).map(|line| line.name.into()).collect();
     if beyond.is_empty() { Ok(()) } else { Err(Error::Figures(format!("beyond the limit: {}", beyond.join("; ")))) }
 }
@@ -107,17 +108,19 @@ impl Line {
 }
 
 /// Prints the table, with the names of the builds at its head.
-fn print(builds: &[&str], lines: &[Line]) {
-    print!("{:<34}", "bytes, or instructions");
-    for build in builds {
-        print!("{build:>12}");
-    }
-    println!("{:>12}", "limit");
+///
+/// # Errors
+/// Standard output takes nothing.
+fn print(builds: &[&str], lines: &[Line]) -> Result<()> {
+    let mut text = format!("{:<34}", "bytes, or instructions");
+    text.extend(builds.iter().map(|build| format!("{build:>12}")));
+    text += &format!("{:>12}\n", "limit");
     for line in lines {
-        print!("{:<34}", line.name);
+        text += &format!("{:<34}", line.name);
         for figure in line.figures.iter().copied().chain([line.limit]) {
-            print!("{:>12}", figure.map_or_else(|| "–".into(), grouped));
+            text += &format!("{:>12}", figure.map_or_else(|| "–".into(), grouped));
         }
-        println!("{}", if line.fits() { "" } else { "  too much" });
+        text += if line.fits() { "\n" } else { "  too much\n" };
     }
+    output::print(&text)
 }

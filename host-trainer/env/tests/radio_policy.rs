@@ -96,7 +96,7 @@ proptest! {
 fn flown(settings: &RadioSettings, worlds: u64) -> (Evaluation, RadioFigures) {
     let scenario = Scenario { steps: 25, ..Scenario::default() };
     let policy = RadioPolicy::new(gcn(), 0, Mode::Sample, settings, scenario.uavs).expect("valid settings");
-    evaluate_over_radio(&scenario, 5, worlds, &policy, |i| i ^ 0x55).expect("a scenario")
+    evaluate_over_radio(&scenario, 5, worlds, &policy, |i| i ^ 0x55, |_| ()).expect("a scenario")
 }
 
 #[test]
@@ -109,7 +109,7 @@ fn an_evaluation_over_a_perfect_radio_equals_one_without() {
 #[test]
 fn a_policy_of_another_swarm_is_refused() {
     let policy = RadioPolicy::new(gcn(), 0, Mode::Sample, &RadioSettings::default(), 3).unwrap();
-    let refused = evaluate_over_radio(&Scenario::default(), 5, 2, &policy, |i| i).unwrap_err();
+    let refused = evaluate_over_radio(&Scenario::default(), 5, 2, &policy, |i| i, |_| ()).unwrap_err();
     assert!(refused.to_string().contains("made for 3 UAVs, the scenario has 20"), "{refused}");
 }
 

@@ -9,6 +9,9 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+/// What is counted unless something else is said.
+const EPISODES: &str = "episodes";
+
 /// Where and how progress is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
@@ -41,8 +44,9 @@ impl Mode {
 /// The state of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Status {
-    /// Episodes done, counted from the start of the run, not of this process.
-    pub episodes: u64,
+    /// How much is done, episodes unless something else is [counted](Progress::counting); from the start of the run,
+    /// not of this process.
+    pub done: u64,
     /// Time this process has worked on them.
     pub elapsed: Duration,
     /// Decisions of single UAVs per second.
@@ -57,6 +61,8 @@ pub struct Status {
 pub struct Progress {
     sink: Sink,
     total: u64,
+    /// What is counted.
+    unit: &'static str,
     /// Episodes that were done before this process.
     first: u64,
     /// Whether the first update was shown, and at which multiple of `every_percent`.
@@ -76,7 +82,7 @@ impl Progress {
         match mode {
             Mode::Bar => Self::bar(ProgressDrawTarget::stderr(), total),
             Mode::Plain { every_percent } => Self::plain(Box::new(io::stderr()), every_percent, total),
-            Mode::Quiet => Self { sink: Sink::Quiet, total, first: 0, shown: None },
+            Mode::Quiet => Self { sink: Sink::Quiet, total, unit: EPISODES, first: 0, shown: None },
         }
     }
 
@@ -84,15 +90,22 @@ impl Progress {
     #[must_use]
     pub fn plain(out: Box<dyn Write + Send>, every_percent: u32, total: u64) -> Self {
         let sink = Sink::Plain { every_percent: u64::from(every_percent.max(1)), out };
-        Self { sink, total, first: 0, shown: None }
+        Self { sink, total, unit: EPISODES, first: 0, shown: None }
     }
 
     fn bar(target: ProgressDrawTarget, total: u64) -> Self {
-        let style = ProgressStyle::with_template("{wide_bar:.cyan/dim} {pos}/{len} episodes  {msg}")
-            .expect("the template is fixed")
-            .progress_chars("━╸─");
-        let bar = ProgressBar::with_draw_target(Some(total), target).with_style(style);
-        Self { sink: Sink::Bar(bar), total, first: 0, shown: None }
+        let bar = ProgressBar::with_draw_target(Some(total), target).with_style(style(EPISODES));
+        Self { sink: Sink::Bar(bar), total, unit: EPISODES, first: 0, shown: None }
+    }
+
+    /// Counts these instead of episodes.
+    #[must_use]
+    pub fn counting(mut self, unit: &'static str) -> Self {
+        self.unit = unit;
+        if let Sink::Bar(bar) = &self.sink {
+            bar.set_style(style(unit));
+        }
+        self
     }
 
     /// For a run that is resumed after `episodes` episodes: they count as done, but not in the rate from which the time
@@ -111,16 +124,16 @@ impl Progress {
         let left = self.time_left(status);
         match &mut self.sink {
             Sink::Bar(bar) => {
-                bar.set_position(status.episodes);
+                bar.set_position(status.done);
                 bar.set_message(Details { status, left }.to_string());
             }
             Sink::Plain { every_percent, out } => {
-                let percent = percent(status.episodes, self.total);
+                let percent = percent(status.done, self.total);
                 let mark = percent / *every_percent;
-                let last = status.episodes >= self.total;
+                let last = status.done >= self.total;
                 if self.shown.is_none_or(|shown| mark > shown) || (last && self.shown != Some(u64::MAX)) {
                     let details = Details { status, left };
-                    let _ = writeln!(out, "{percent:3} %  {}/{} episodes  {details}", status.episodes, self.total);
+                    let _ = writeln!(out, "{percent:3} %  {}/{} {}  {details}", status.done, self.total, self.unit);
                     // After the last line no further one is due.
                     self.shown = Some(if last { u64::MAX } else { mark });
                 }
@@ -140,6 +153,14 @@ impl Progress {
         }
     }
 
+    /// Ends the display; a bar is taken away.
+    pub fn clear(&mut self) {
+        match &mut self.sink {
+            Sink::Bar(bar) => bar.finish_and_clear(),
+            Sink::Plain { .. } | Sink::Quiet => self.finish(),
+        }
+    }
+
     /// Ends the display and leaves it as it is.
     pub fn finish(&mut self) {
         match &mut self.sink {
@@ -152,8 +173,8 @@ impl Progress {
     }
 
     fn time_left(&self, status: &Status) -> Option<Duration> {
-        let done = status.episodes.checked_sub(self.first).filter(|&n| n > 0)?;
-        let left = self.total.saturating_sub(status.episodes);
+        let done = status.done.checked_sub(self.first).filter(|&n| n > 0)?;
+        let left = self.total.saturating_sub(status.done);
         Duration::try_from_secs_f64(status.elapsed.as_secs_f64() * left as f64 / done as f64).ok()
     }
 }
@@ -162,6 +183,12 @@ impl fmt::Debug for Progress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Progress").field("total", &self.total).field("first", &self.first).finish_non_exhaustive()
     }
+}
+
+fn style(unit: &str) -> ProgressStyle {
+    ProgressStyle::with_template(&format!("{{wide_bar:.cyan/dim}} {{pos}}/{{len}} {unit}  {{msg}}"))
+        .expect("units have no braces")
+        .progress_chars("━╸─")
 }
 
 fn percent(done: u64, total: u64) -> u64 {
@@ -221,7 +248,7 @@ mod tests {
         let mut progress = Progress::bar(ProgressDrawTarget::term_like(Box::new(term.clone())), 400).resumed_at(100);
         progress.line("checkpoint saved");
         progress.update(&Status {
-            episodes: 200,
+            done: 200,
             elapsed: Duration::from_secs(60),
             agent_steps_per_s: 61_240.0,
             coverage: Some(0.5674),

@@ -26,7 +26,7 @@ impl Lines {
 
 fn status(episodes: u64) -> Status {
     Status {
-        episodes,
+        done: episodes,
         elapsed: Duration::from_secs(episodes),
         agent_steps_per_s: 999.6,
         coverage: Some(0.25),
@@ -65,13 +65,8 @@ fn a_resumed_run_tells_the_time_left_from_its_own_pace() {
     let lines = Lines::default();
     let mut progress = Progress::plain(Box::new(lines.clone()), 1, 10_000).resumed_at(5_000);
     let minutes = |n: u64| Duration::from_secs(60 * n);
-    progress.update(&Status { episodes: 5_000, elapsed: minutes(0), ..Status::default() });
-    progress.update(&Status {
-        episodes: 6_000,
-        elapsed: minutes(30),
-        agent_steps_per_s: 1_234_567.0,
-        ..Status::default()
-    });
+    progress.update(&Status { done: 5_000, elapsed: minutes(0), ..Status::default() });
+    progress.update(&Status { done: 6_000, elapsed: minutes(30), agent_steps_per_s: 1_234_567.0, ..Status::default() });
     assert_eq!(
         lines.text(),
         " 50 %  5000/10000 episodes  0 agent-steps/s\n \

@@ -4,10 +4,13 @@ use super::actor::{load, read, read_actor};
 use super::pil::Emulated;
 use super::threads::use_threads;
 use crate::cli::Eval;
-use crate::commands::output::{print_out, say_out, tell};
+use crate::commands::hold::Hold;
+use crate::commands::interrupt::Stop;
+use crate::commands::meter::Meter;
+use crate::commands::output::{print_out, say_out};
 use crate::eval::{
-    AnyActor, EvalConfig, EvalPolicy, EvalRow, PilFigures, argmax_agreement, evaluate_with_radio, radio_table, table,
-    with_actor,
+    AnyActor, EvalConfig, EvalPolicy, EvalRow, PilFigures, Watch, argmax_agreement, evaluate_with_radio, radio_table,
+    table, with_actor,
 };
 use crate::float_actor::FloatActor;
 use crate::run::RunFolder;
@@ -19,10 +22,11 @@ use miette::{IntoDiagnostic, Result, WrapErr, miette};
 /// # Errors
 /// When the policy cannot be read or the worlds not be built.
 pub fn run(args: &Eval) -> Result<()> {
-    use_threads(args.threads);
     if args.worlds < 2 {
         return Err(miette!("--worlds {}: a standard error needs at least 2 worlds", args.worlds));
     }
+    let stop = Stop::with_words("stopped measuring; nothing was written, the same command begins again".into())?;
+    use_threads(args.threads);
     let (bytes, name) = match (&args.model, &args.run) {
         (_, Some(run)) => {
             let file = RunFolder::open(run).into_diagnostic()?.actor();
@@ -43,13 +47,22 @@ pub fn run(args: &Eval) -> Result<()> {
         }
     }
     let board = Emulated::find(args.actor, args.image.as_deref())?;
-    let (mut rows, mut difference) = (Vec::new(), None);
-    for &uavs in &args.uavs {
+    let config = |uavs| {
         let worlds = if args.same_density { with_density_of(&worlds, uavs) } else { worlds.clone() };
         let scenario = Scenario { uavs: usize::from(uavs), distribution: args.poi_distribution, ..worlds };
-        let config = EvalConfig { scenario, seed: args.seed, worlds: args.worlds, mode: args.decide };
+        EvalConfig { scenario, seed: args.seed, worlds: args.worlds, mode: args.decide }
+    };
+    let configs: Vec<_> = args.uavs.iter().map(|&uavs| config(uavs)).collect();
+    // Every radio flies the worlds, and a float policy does, then both are compared in them.
+    let times = if args.float { 3 } else { args.radio.len().max(1) as u64 };
+    let agent_steps = times * configs.iter().map(EvalConfig::agent_steps).sum::<u64>();
+    let (mut rows, mut difference) = (Vec::new(), None);
+    Hold::before_measuring()?;
+    // Boards tell themselves how far they are.
+    let meter = Meter::new(board.is_some(), agent_steps);
+    for config in configs {
         match &board {
-            None => rows.extend(evaluate_one(args, (&bytes, &name), float.as_ref(), &config)?),
+            None => rows.extend(evaluate_one(args, (&bytes, &name), float.as_ref(), &config, &meter)?),
             Some(board) => {
                 let AnyActor::Compact(actor) = load(&bytes, &name)? else {
                     return Err(miette!(
@@ -57,12 +70,13 @@ pub fn run(args: &Eval) -> Result<()> {
                     ));
                 };
                 let policy = format!("{} int8", actor.aggregation().name());
-                let (row, first) = board.evaluate(&policy, &bytes, &actor, &config)?;
+                let (row, first) = board.evaluate(&policy, &bytes, &actor, &config, &stop)?;
                 rows.push(row);
                 difference = difference.or(first);
             }
         }
     }
+    drop(meter);
     if args.json {
         say_out!("{}", serde_json::to_string_pretty(&rows).into_diagnostic()?)?;
     } else {
@@ -101,23 +115,33 @@ fn evaluate_one(
     file: (&[u8], &str),
     float: Option<&FloatActor>,
     config: &EvalConfig,
+    meter: &Meter,
 ) -> Result<Vec<EvalRow>> {
+    let watch: Watch<'_> = &|agent_steps| meter.add(agent_steps);
     if let Some(policy) = args.policy {
-        return Ok(vec![EvalPolicy::Reference(policy).evaluate(policy.name(), config).into_diagnostic()?]);
+        return Ok(vec![
+            EvalPolicy::Reference(policy).evaluate_watched(policy.name(), config, watch).into_diagnostic()?,
+        ]);
     }
     let actor = load(file.0, file.1)?;
     let name = actor.aggregation().name();
     let policy = format!("{name} int8");
     if !args.radio.is_empty() {
-        let over = |radio| with_actor!(actor, actor => evaluate_with_radio(actor, &policy, config, radio));
+        let over = |radio| with_actor!(actor, actor => evaluate_with_radio(actor, &policy, config, radio, watch));
         let rows = args.radio.iter().map(|radio| over(radio).map(|(row, _)| row));
         return rows.collect::<Result<_, _>>().into_diagnostic();
     }
-    let mut rows = vec![EvalPolicy::of(&actor).evaluate(&policy, config).into_diagnostic()?];
+    let mut rows = vec![EvalPolicy::of(&actor).evaluate_watched(&policy, config, watch).into_diagnostic()?];
     if let Some(float) = float {
-        rows.push(EvalPolicy::Float(float).evaluate(&format!("{name} float"), config).into_diagnostic()?);
-        let agreement = with_actor!(actor, actor => argmax_agreement(actor, float, config)).into_diagnostic()?;
-        tell!("argmax agreement {:.2} % over {} decisions", 100.0 * agreement.share(), agreement.decisions);
+        rows.push(
+            EvalPolicy::Float(float).evaluate_watched(&format!("{name} float"), config, watch).into_diagnostic()?,
+        );
+        let agreement = with_actor!(actor, actor => argmax_agreement(actor, float, config, watch)).into_diagnostic()?;
+        meter.say(&format!(
+            "argmax agreement {:.2} % over {} decisions",
+            100.0 * agreement.share(),
+            agreement.decisions
+        ));
     }
     Ok(rows)
 }

@@ -2,7 +2,7 @@
 //! however fast or busy the machine is.
 //!
 //! `COVEY_HOLD_AT=round:2:PATH` holds a run when its round 2 has ended and its row of metrics is written;
-//! `COVEY_HOLD_AT=measuring:PATH` when its training has ended. Held, the program says so on standard error and reads the pipe (FIFO) at PATH
+//! `COVEY_HOLD_AT=measuring:PATH` when its training has ended, and holds the other commands before they measure or draw. Held, the program says so on standard error and reads the pipe (FIFO) at PATH
 //! until its writer closes it. It can then go on; a run that is held again has to be let go again.
 
 use super::output::tell;
@@ -36,12 +36,21 @@ impl Hold {
         Ok(Self(Some(found.ok_or_else(wrong)?)))
     }
 
+    /// Holds a command that measures, or makes pages, before it does.
+    ///
+    /// # Errors
+    /// As [`Self::from_environment`].
+    pub fn before_measuring() -> Result<()> {
+        Self::from_environment()?.at_measuring();
+        Ok(())
+    }
+
     /// Called when `round` rounds have ended.
     pub fn at_round(&self, round: u32) {
         self.at(Point::Round(round));
     }
 
-    /// Called before the actor is quantised and measured.
+    /// Called before something is measured.
     pub fn at_measuring(&self) {
         self.at(Point::Measuring);
     }

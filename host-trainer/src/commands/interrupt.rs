@@ -4,6 +4,9 @@ use super::output::tell;
 use miette::{IntoDiagnostic, Result};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+/// What is said while runs in training wait for the end of their round.
+pub const SAVING: &str = "stopping training at the end of this round, which saves it";
+
 /// Exit status of a run that a signal stopped.
 pub const INTERRUPTED: i32 = 130;
 
@@ -17,14 +20,16 @@ pub struct Stop(Mutex<State>);
 struct State {
     signalled: bool,
     failed: bool,
-    /// Runs in training, which save before the program ends.
-    saving: usize,
+    /// Those who have something to save or to end before the program ends: runs in training, emulated boards.
+    waiting: usize,
+    /// What a signal is answered with while they do.
+    words: &'static str,
     /// What is said when the program ends at once.
     parting: String,
 }
 
-/// As long as it lives, a signal waits for its owner to save.
-pub struct Saving<'s>(&'s Stop);
+/// As long as it lives, a signal waits for its owner.
+pub struct Waits<'s>(&'s Stop);
 
 impl Stop {
     /// From now on this answers the signals. Call it once.
@@ -37,6 +42,16 @@ impl Stop {
         let handler = Arc::clone(&stop);
         ctrlc::set_handler(move || handler.signalled()).into_diagnostic()?;
         hangup.keep_if_ignored();
+        Ok(stop)
+    }
+
+    /// For a command that has nothing to save: a signal ends it at once, with these words.
+    ///
+    /// # Errors
+    /// As [`Self::on_signals`].
+    pub fn with_words(parting: String) -> Result<Arc<Self>> {
+        let stop = Self::on_signals()?;
+        stop.at_once(parting);
         Ok(stop)
     }
 
@@ -56,16 +71,18 @@ impl Stop {
         self.state().parting = parting;
     }
 
-    /// Until the guard is dropped a signal waits.
-    pub fn saving(&self) -> Saving<'_> {
-        self.state().saving += 1;
-        Saving(self)
+    /// Until the guard is dropped a signal waits, answered with these words: what is stopped, and when.
+    pub fn waits(&self, words: &'static str) -> Waits<'_> {
+        let mut state = self.state();
+        state.waiting += 1;
+        state.words = words;
+        Waits(self)
     }
 
     /// Ends the program when a signal has come and nothing has to be saved any more.
     pub fn end_if_signalled(&self) {
         let state = self.state();
-        if state.signalled && state.saving == 0 {
+        if state.signalled && state.waiting == 0 {
             end(&state.parting);
         }
     }
@@ -76,10 +93,10 @@ impl Stop {
             std::process::exit(INTERRUPTED);
         }
         state.signalled = true;
-        if state.saving == 0 {
+        if state.waiting == 0 {
             end(&state.parting);
         }
-        tell!("\nstopping training at the end of this round, which saves it; press Ctrl-C again to stop at once");
+        tell!("\n{}; press Ctrl-C again to stop at once", state.words);
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -93,9 +110,9 @@ fn end(parting: &str) -> ! {
     std::process::exit(INTERRUPTED);
 }
 
-impl Drop for Saving<'_> {
+impl Drop for Waits<'_> {
     fn drop(&mut self) {
-        self.0.state().saving -= 1;
+        self.0.state().waiting -= 1;
     }
 }
 

@@ -9,6 +9,7 @@ mod export;
 mod hold;
 mod inspect;
 mod interrupt;
+mod meter;
 mod output;
 mod paper;
 mod pil;

@@ -1,6 +1,7 @@
 //! `eval --actor qemu-…`: the flight program in QEMU decides.
 
 use crate::cli::Processor;
+use crate::commands::interrupt::Stop;
 use crate::commands::output::tell;
 use crate::eval::pil::{Difference, PilEpisode, fly_episode};
 use crate::eval::{EvalConfig, EvalRow, PilFigures};
@@ -53,7 +54,7 @@ impl Emulated {
     }
 
     /// Flies the worlds of `config` with `actor`, whose file is given; `policy` goes into the row.
-    /// Also returns the first decision that differs.
+    /// Also returns the first decision that differs. A signal ends it, and the program.
     ///
     /// # Errors
     /// A board does not start or answer, or the scenario cannot be built.
@@ -63,8 +64,15 @@ impl Emulated {
         file: &[u8],
         actor: &Actor<'_>,
         config: &EvalConfig,
+        stop: &Stop,
     ) -> Result<(EvalRow, Option<Difference>)> {
-        let flown = self.fly(file, actor, config)?;
+        let flown = {
+            // The boards are processes of their own, and have to be ended.
+            let _waits = stop.waits("stopping the emulated boards at the end of their worlds, which can take a minute");
+            self.fly(file, actor, config, stop)
+        };
+        stop.end_if_signalled();
+        let flown = flown?;
         let (mut decisions, mut differences, mut first) = (0, 0, None);
         for world in &flown {
             decisions += world.decisions;
@@ -78,7 +86,7 @@ impl Emulated {
     }
 
     /// Each board takes the next world when it is done with one.
-    fn fly(&self, file: &[u8], actor: &Actor<'_>, config: &EvalConfig) -> Result<Vec<PilEpisode>> {
+    fn fly(&self, file: &[u8], actor: &Actor<'_>, config: &EvalConfig, stop: &Stop) -> Result<Vec<PilEpisode>> {
         let fresh = World::new(&config.scenario).into_diagnostic()?;
         let worlds = u64::from(config.worlds);
         let boards = (rayon::current_num_threads() as u64).min(worlds);
@@ -91,7 +99,7 @@ impl Emulated {
             let mut flown = Vec::new();
             loop {
                 let index = next.fetch_add(1, Ordering::Relaxed);
-                if index >= worlds {
+                if index >= worlds || stop.asked() {
                     return Ok(flown);
                 }
                 let result = fly_episode(&mut board, actor, config, &mut world, index).into_diagnostic();

@@ -3,9 +3,12 @@
 use super::actor::{load, read_actor};
 use super::threads::use_threads;
 use crate::cli::ExperimentRadio;
+use crate::commands::hold::Hold;
+use crate::commands::interrupt::Stop;
+use crate::commands::meter::Meter;
 use crate::commands::output::{say_out, tell};
-use crate::eval::{EvalConfig, EvalRow, with_actor};
-use crate::experiments::radio::study;
+use crate::eval::{EvalConfig, EvalRow, Watch, with_actor};
+use crate::experiments::radio::{study, study_agent_steps};
 use crate::settings::word_of;
 use covey_env::Scenario;
 use covey_report::atomic;
@@ -21,10 +24,12 @@ const PICTURE: &str = "radio-loss.svg";
 /// # Errors
 /// When it cannot be measured or its files not be written.
 pub fn run(args: &ExperimentRadio) -> Result<()> {
-    use_threads(args.threads);
     if args.worlds < 2 {
         return Err(miette!("--worlds {}: a standard error needs at least 2 worlds", args.worlds));
     }
+    let parting = format!("stopped measuring; nothing was written in {}", args.out.display());
+    let stop = Stop::with_words(parting)?;
+    use_threads(args.threads);
     let (bytes, name) = read_actor(args.model.as_deref())?;
     let actor = load(&bytes, &name)?;
     let scenario =
@@ -32,11 +37,16 @@ pub fn run(args: &ExperimentRadio) -> Result<()> {
     let config = EvalConfig { scenario, seed: args.seed, worlds: args.worlds, mode: Mode::Sample };
     std::fs::create_dir_all(&args.out).map_err(|e| miette!("cannot make the folder {}: {e}", args.out.display()))?;
     let start = Instant::now();
-    let tell = |row: &EvalRow, k, all| {
+    Hold::before_measuring()?;
+    let meter = Meter::new(false, study_agent_steps(&config));
+    let say = |row: &EvalRow, k, all| {
         let radio = row.radio.as_ref().map_or("", |r| &r.radio);
-        tell!("{k} of {all}: {radio}: coverage {:.4} ±{:.4}", row.coverage, row.coverage_se);
+        meter.say(&format!("{k} of {all}: {radio}: coverage {:.4} ±{:.4}", row.coverage, row.coverage_se));
     };
-    let study = with_actor!(actor, actor => study(actor, &config, tell)).into_diagnostic()?;
+    let steps: Watch<'_> = &|agent_steps| meter.add(agent_steps);
+    let study = with_actor!(actor, actor => study(actor, &config, steps, say)).into_diagnostic()?;
+    drop(meter);
+    stop.at_once(format!("stopped while writing in {}; every file there is whole", args.out.display()));
     for (file, text) in [(PAGE, study.page(PICTURE, &command(args))), (PICTURE, study.picture().into_diagnostic()?)] {
         let path = args.out.join(file);
         atomic::write(&path, text.as_bytes()).into_diagnostic()?;

@@ -1,6 +1,8 @@
 //! `report`: pages from run folders.
 
 use crate::cli::Report;
+use crate::commands::hold::Hold;
+use crate::commands::interrupt::Stop;
 use crate::commands::output::say_out;
 use crate::run::{RunFolder, report};
 use miette::{IntoDiagnostic, Result};
@@ -11,7 +13,9 @@ use std::path::PathBuf;
 /// # Errors
 /// When a run cannot be read or the page not be written.
 pub fn run(args: &Report) -> Result<()> {
+    let _stop = Stop::with_words("stopped; the page was not written, every file is whole".into())?;
     let folders = args.runs.iter().map(|r| RunFolder::open(r).into_diagnostic()).collect::<Result<Vec<_>>>()?;
+    Hold::before_measuring()?;
     let path = match &folders[..] {
         [one] => {
             if let Some(path) = &args.out {

@@ -2,9 +2,10 @@
 
 use super::hold::Hold;
 use super::interrupt::Stop;
+use super::meter::Meter;
 use super::output::{say_out, tell};
-use crate::eval::{EvalConfig, EvalPolicy, EvalRow, EvaluationFile, ReferencePolicy, table};
-use crate::export::{ExportedActor, export_actor};
+use crate::eval::{EvalConfig, EvalPolicy, EvalRow, EvaluationFile, ReferencePolicy, Watch, table};
+use crate::export::{ExportedActor, export_actor_watched, export_agent_steps};
 use crate::run::{Checkpoint, RunFolder, RunLock, report};
 use crate::settings::{Settings, word_of};
 use crate::train::{RoundMetrics, Trainer, Workers};
@@ -14,6 +15,10 @@ use covey_report::progress::{Mode, Progress, Status};
 use covey_report::tensorboard::EventWriter;
 use miette::{IntoDiagnostic, Result};
 use std::time::{Instant, SystemTime};
+
+/// Hand-written policies that a trained one is measured beside.
+const BASELINES: [ReferencePolicy; 4] =
+    [ReferencePolicy::Centroid, ReferencePolicy::Greedy, ReferencePolicy::Hover, ReferencePolicy::Random];
 
 /// A run with its files open, between [`Session::open`] and [`Session::finish`].
 pub struct Session {
@@ -99,7 +104,7 @@ impl Session {
             self.record(&row)?;
             let agent_steps = row.agent_steps - before;
             self.progress.update(&Status {
-                episodes: row.episodes,
+                done: row.episodes,
                 elapsed: start.elapsed(),
                 agent_steps_per_s: agent_steps as f64 / start.elapsed().as_secs_f64(),
                 coverage: Some(row.coverage),
@@ -139,9 +144,13 @@ impl Session {
         self.hold.at_measuring();
         let s = self.trainer.settings().clone();
         self.say(&format!("quantising, and measuring on {} held-out worlds", s.eval_worlds));
-        let done = export_actor(&s, &self.trainer.state()).into_diagnostic()?;
+        let baselines = BASELINES.len() as u64 * EvalConfig::held_out(&s).agent_steps();
+        let meter = Meter::new(self.quiet, export_agent_steps(&s) + baselines);
+        let watch: Watch<'_> = &|agent_steps| meter.add(agent_steps);
+        let done = export_actor_watched(&s, &self.trainer.state(), watch).into_diagnostic()?;
         atomic::write(self.folder.actor(), &done.file).into_diagnostic()?;
-        let rows = rows(&s, &done)?;
+        let rows = rows(&s, &done, watch)?;
+        drop(meter);
         let file = EvaluationFile {
             rows: rows.clone(),
             argmax_agreement: done.agreement.share(),
@@ -168,12 +177,11 @@ impl Session {
 }
 
 /// Trained policies and baselines on the same worlds.
-fn rows(s: &Settings, done: &ExportedActor) -> Result<Vec<EvalRow>> {
+fn rows(s: &Settings, done: &ExportedActor, watch: Watch<'_>) -> Result<Vec<EvalRow>> {
     let mut rows = vec![done.int8.clone(), done.float.clone()];
     let held_out = EvalConfig::held_out(s);
-    for policy in [ReferencePolicy::Centroid, ReferencePolicy::Greedy, ReferencePolicy::Hover, ReferencePolicy::Random]
-    {
-        rows.push(EvalPolicy::Reference(policy).evaluate(policy.name(), &held_out).into_diagnostic()?);
+    for policy in BASELINES {
+        rows.push(EvalPolicy::Reference(policy).evaluate_watched(policy.name(), &held_out, watch).into_diagnostic()?);
     }
     Ok(rows)
 }

@@ -1,7 +1,7 @@
 //! `train`: the main job, from settings to actor file and report.
 
 use super::device::put;
-use super::interrupt::{INTERRUPTED, Stop};
+use super::interrupt::{INTERRUPTED, SAVING, Stop};
 use super::session::Session;
 use super::settings::{apply, warn};
 use super::threads::{cores, use_threads};
@@ -44,7 +44,7 @@ pub fn run(args: &Train) -> Result<()> {
     let mut session = Session::open(folder, lock, trainer, args.resume.is_some(), Mode::detect(args.quiet))?;
     let how = format!("host-trainer train --resume {}", session.folder().path().display());
     let trained = {
-        let _saving = stop.saving();
+        let _saving = stop.waits(SAVING);
         session.train(&workers, &stop, |_| {})?
     };
     if !trained {

@@ -1,6 +1,7 @@
 //! How often the int8 actor would choose what the float policy chooses.
 
 use super::config::EvalConfig;
+use super::watch::Watch;
 use crate::float_actor::{FloatActor, FloatPolicy, argmax};
 use covey_env::{ActorPolicy, ScenarioError, World, policy_seed};
 use firmware_core::action::Action;
@@ -25,7 +26,8 @@ impl Agreement {
 }
 
 /// Compares the greatest logits of both in the very same situations: the int8 actor flies the
-/// worlds, and the float policy is asked at every step what it would do.
+/// worlds, and the float policy is asked at every step what it would do. Tells `watch` how far it
+/// is.
 ///
 /// # Errors
 /// When the scenario cannot be built.
@@ -33,6 +35,7 @@ pub fn argmax_agreement<O: ActorInput>(
     int8: &QuantisedActor<'_, O>,
     float: &FloatActor,
     config: &EvalConfig,
+    watch: Watch<'_>,
 ) -> Result<Agreement, ScenarioError> {
     let fresh = World::new(&config.scenario)?;
     let net = float.network();
@@ -53,9 +56,9 @@ pub fn argmax_agreement<O: ActorInput>(
                 *action = own.choose(&mine, i, world.steps_done());
             }
             world.step(&actions);
+            watch(actions.len() as u64);
         }
         agreeing
     });
-    let decisions = u64::from(config.worlds) * u64::from(config.scenario.steps) * config.scenario.uavs as u64;
-    Ok(Agreement { agreeing: worlds.sum(), decisions })
+    Ok(Agreement { agreeing: worlds.sum(), decisions: config.agent_steps() })
 }

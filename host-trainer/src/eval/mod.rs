@@ -10,6 +10,7 @@ mod policy;
 mod reference;
 mod row;
 mod table;
+mod watch;
 
 pub use agreement::{Agreement, argmax_agreement};
 pub use any_actor::{AnyActor, UnsoundActor};
@@ -19,5 +20,6 @@ pub use policy::EvalPolicy;
 pub use reference::ReferencePolicy;
 pub use row::{EvalRow, EvaluationFile, PilFigures, RadioRow};
 pub use table::{radio_table, table};
+pub use watch::{UNWATCHED, Watch};
 
 pub(crate) use any_actor::with_actor;

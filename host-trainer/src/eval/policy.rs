@@ -4,10 +4,12 @@ use super::any_actor::AnyActor;
 use super::config::EvalConfig;
 use super::reference::ReferencePolicy;
 use super::row::EvalRow;
+use super::watch::{UNWATCHED, Watch, Watched};
 use crate::float_actor::{FloatActor, FloatPolicy};
 use crate::settings::word_of;
-use covey_env::oracles::evaluate_parked;
-use covey_env::{ActorPolicy, Evaluation, ScenarioError, evaluate, policy_seed};
+use covey_env::baselines::Hover;
+use covey_env::oracles::spawn_parked;
+use covey_env::{ActorPolicy, Evaluation, ScenarioError, evaluate, evaluate_with, policy_seed};
 use firmware_core::actor::{Actor, CellsActor};
 
 /// A policy that can be evaluated.
@@ -37,25 +39,48 @@ impl<'a> EvalPolicy<'a> {
     /// # Errors
     /// When the scenario cannot be built.
     pub fn evaluate(&self, name: &str, config: &EvalConfig) -> Result<EvalRow, ScenarioError> {
-        let decide = if matches!(self, Self::Reference(_)) { "rule" } else { word_of(config.mode) };
-        Ok(EvalRow::new(name, config, decide, &self.fly(config)?))
+        self.evaluate_watched(name, config, UNWATCHED)
     }
 
-    fn fly(&self, config: &EvalConfig) -> Result<Evaluation, ScenarioError> {
+    /// [`Self::evaluate`] that tells `watch` how far it is.
+    ///
+    /// # Errors
+    /// When the scenario cannot be built.
+    pub fn evaluate_watched(
+        &self,
+        name: &str,
+        config: &EvalConfig,
+        watch: Watch<'_>,
+    ) -> Result<EvalRow, ScenarioError> {
+        let decide = if matches!(self, Self::Reference(_)) { "rule" } else { word_of(config.mode) };
+        Ok(EvalRow::new(name, config, decide, &self.fly(config, watch)?))
+    }
+
+    fn fly(&self, config: &EvalConfig, watch: Watch<'_>) -> Result<Evaluation, ScenarioError> {
         let EvalConfig { scenario, seed, worlds, mode } = config;
         let (seed, mode, worlds) = (*seed, *mode, u64::from(*worlds));
         let own_seed = |index| policy_seed(seed, index);
         match self {
-            Self::Int8(actor) => evaluate(scenario, seed, worlds, |i| ActorPolicy::new(**actor, own_seed(i), mode)),
+            Self::Int8(actor) => {
+                let policy = |i| ActorPolicy::new(**actor, own_seed(i), mode);
+                evaluate(scenario, seed, worlds, |i| Watched { policy: policy(i), watch })
+            }
             Self::Int8Cells(actor) => {
-                evaluate(scenario, seed, worlds, |i| ActorPolicy::new(**actor, own_seed(i), mode))
+                let policy = |i| ActorPolicy::new(**actor, own_seed(i), mode);
+                evaluate(scenario, seed, worlds, |i| Watched { policy: policy(i), watch })
             }
             Self::Float(actor) => {
                 let net = actor.network();
-                evaluate(scenario, seed, worlds, |i| FloatPolicy::new(actor, &net, own_seed(i), mode))
+                let policy = |i| FloatPolicy::new(actor, &net, own_seed(i), mode);
+                evaluate(scenario, seed, worlds, |i| Watched { policy: policy(i), watch })
             }
-            Self::Reference(ReferencePolicy::Parked) => evaluate_parked(scenario, seed, worlds),
-            Self::Reference(policy) => evaluate(scenario, seed, worlds, |i| policy.in_world(seed, i)),
+            Self::Reference(ReferencePolicy::Parked) => evaluate_with(scenario, worlds, |world, i| {
+                spawn_parked(world, seed, i);
+                Watched { policy: Hover, watch }
+            }),
+            Self::Reference(policy) => {
+                evaluate(scenario, seed, worlds, |i| Watched { policy: policy.in_world(seed, i), watch })
+            }
         }
     }
 }

@@ -2,7 +2,9 @@
 
 use super::error::QuantiseError;
 use super::quantise::{quantise, with_provenance};
-use crate::eval::{Agreement, AnyActor, EvalConfig, EvalPolicy, EvalRow, argmax_agreement, with_actor};
+use crate::eval::{
+    Agreement, AnyActor, EvalConfig, EvalPolicy, EvalRow, UNWATCHED, Watch, argmax_agreement, with_actor,
+};
 use crate::float_actor::FloatActor;
 use crate::settings::{Settings, word_of};
 use crate::train::State;
@@ -31,6 +33,27 @@ pub struct ExportedActor {
 /// # Errors
 /// When the policy cannot be quantised.
 pub fn export_actor(s: &Settings, state: &State) -> Result<ExportedActor, QuantiseError> {
+    export_actor_watched(s, state, UNWATCHED)
+}
+
+/// Agent-steps that [`export_actor`] flies for these settings.
+#[must_use]
+pub fn export_agent_steps(s: &Settings) -> u64 {
+    let held_out = EvalConfig::held_out(s);
+    let calibration = EvalConfig { worlds: s.calibration_worlds, ..held_out.clone() };
+    calibration.agent_steps() + 2 * held_out.agent_steps() + compared(held_out).agent_steps()
+}
+
+/// The worlds on which int8 and float decisions are compared.
+fn compared(held_out: EvalConfig) -> EvalConfig {
+    EvalConfig { worlds: held_out.worlds.min(AGREEMENT_WORLDS), ..held_out }
+}
+
+/// [`export_actor`] that tells `watch` how far it is, in agent-steps.
+///
+/// # Errors
+/// When the policy cannot be quantised.
+pub fn export_actor_watched(s: &Settings, state: &State, watch: Watch<'_>) -> Result<ExportedActor, QuantiseError> {
     let float = FloatActor::new(s, state.average.clone());
     let provenance = Provenance {
         trainer: concat!("covey ", env!("CARGO_PKG_VERSION")),
@@ -44,14 +67,13 @@ pub fn export_actor(s: &Settings, state: &State) -> Result<ExportedActor, Quanti
     };
     // A seed of its own: calibration worlds are neither training nor held-out ones.
     let calibration_seed = s.seed ^ 0x6361_6c69;
-    let file = quantise(&float, &s.world(), calibration_seed, s.calibration_worlds, provenance)?;
+    let file = quantise(&float, &s.world(), calibration_seed, s.calibration_worlds, provenance, watch)?;
     let held_out = EvalConfig::held_out(s);
     let actor = AnyActor::load(&file)?;
     let name = word_of(s.graph);
-    let int8 = EvalPolicy::of(&actor).evaluate(&format!("{name} int8"), &held_out)?;
-    let by_float = EvalPolicy::Float(&float).evaluate(&format!("{name} float"), &held_out)?;
-    let compared = EvalConfig { worlds: held_out.worlds.min(AGREEMENT_WORLDS), ..held_out.clone() };
-    let agreement = with_actor!(actor, actor => argmax_agreement(actor, &float, &compared))?;
+    let int8 = EvalPolicy::of(&actor).evaluate_watched(&format!("{name} int8"), &held_out, watch)?;
+    let by_float = EvalPolicy::Float(&float).evaluate_watched(&format!("{name} float"), &held_out, watch)?;
+    let agreement = with_actor!(actor, actor => argmax_agreement(actor, &float, &compared(held_out.clone()), watch))?;
     let share = |c: f64| (c * 10_000.0).round() as u16;
     let provenance = Provenance {
         worlds: held_out.worlds,

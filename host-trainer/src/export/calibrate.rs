@@ -1,5 +1,6 @@
 //! Calibration: how large activations get on rollouts.
 
+use crate::eval::Watch;
 use crate::float_actor::{FloatActor, FloatPolicy};
 use covey_env::{Neighbourhood, ObservationBatch, Scenario, ScenarioError, World};
 use covey_net::{ActorNet, Rows};
@@ -63,7 +64,7 @@ impl Ranges {
 }
 
 /// Flies the float policy in worlds 0 to `worlds` − 1 of `seed` and returns the ranges of its
-/// activations and every situation met.
+/// activations and every situation met. Tells `watch` how far it is.
 ///
 /// # Errors
 /// When the scenario cannot be built.
@@ -72,6 +73,7 @@ pub fn calibrate(
     scenario: &Scenario,
     seed: u64,
     worlds: u32,
+    watch: Watch<'_>,
 ) -> Result<(Ranges, Vec<Situation>), ScenarioError> {
     let fresh = World::new(scenario)?;
     let net = actor.network();
@@ -80,7 +82,7 @@ pub fn calibrate(
         .map(|index| {
             let mut world = fresh.clone();
             world.reset(seed, index);
-            fly(actor, &net, &mut world, seed.wrapping_add(index))
+            fly(actor, &net, &mut world, seed.wrapping_add(index), watch)
         })
         .collect();
     let mut ranges = Ranges::default();
@@ -92,7 +94,7 @@ pub fn calibrate(
     Ok((ranges, situations))
 }
 
-fn fly(actor: &FloatActor, net: &ActorNet, world: &mut World, seed: u64) -> (Ranges, Vec<Situation>) {
+fn fly(actor: &FloatActor, net: &ActorNet, world: &mut World, seed: u64, watch: Watch<'_>) -> (Ranges, Vec<Situation>) {
     let mut ranges = Ranges::default();
     let mut situations = Vec::new();
     let mut policy = FloatPolicy::new(actor, net, seed, Mode::Sample);
@@ -118,6 +120,7 @@ fn fly(actor: &FloatActor, net: &ActorNet, world: &mut World, seed: u64) -> (Ran
             logits,
         });
         world.step(&actions);
+        watch(actions.len() as u64);
     }
     (ranges, situations)
 }

@@ -8,7 +8,7 @@ mod graph;
 mod layers;
 mod quantise;
 
-pub use actor_file::{ExportedActor, export_actor};
+pub use actor_file::{ExportedActor, export_actor, export_actor_watched, export_agent_steps};
 pub use calibrate::{Ranges, Situation, calibrate};
 pub use error::QuantiseError;
 pub use quantise::{quantise, situation_agreement};

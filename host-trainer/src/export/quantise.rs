@@ -4,7 +4,7 @@ use super::calibrate::{Ranges, Situation, calibrate};
 use super::error::QuantiseError;
 use super::graph::push_graph;
 use super::layers::{Blobs, FloatLayer, Order, Output, scales};
-use crate::eval::AnyActor;
+use crate::eval::{AnyActor, Watch};
 use crate::float_actor::{FloatActor, argmax as float_argmax};
 use covey_env::{BatchedObservation, ObservationForm, Scenario, neighbour_features};
 use firmware_core::actor::file::{Body, HEADER, TRAILER};
@@ -17,7 +17,7 @@ use firmware_core::observation::cells::Cells;
 const OWN_RANGE: [f64; 4] = [0.0, 0.35, 0.7, 1.0];
 
 /// Quantises a policy into an actor file, after calibrating it on worlds 0 to `worlds` − 1 of `seed`,
-/// which should be neither training nor held-out ones.
+/// which should be neither training nor held-out ones. Tells `watch` how far it is with them.
 ///
 /// # Errors
 /// See [`QuantiseError`].
@@ -27,10 +27,11 @@ pub fn quantise(
     seed: u64,
     worlds: u32,
     provenance: Provenance<'_>,
+    watch: Watch<'_>,
 ) -> Result<Vec<u8>, QuantiseError> {
     match actor.observation {
-        ObservationForm::Compact => quantise_as::<Observation>(actor, scenario, seed, worlds, provenance),
-        ObservationForm::Cells => quantise_as::<Cells>(actor, scenario, seed, worlds, provenance),
+        ObservationForm::Compact => quantise_as::<Observation>(actor, scenario, seed, worlds, provenance, watch),
+        ObservationForm::Cells => quantise_as::<Cells>(actor, scenario, seed, worlds, provenance, watch),
     }
 }
 
@@ -40,8 +41,9 @@ fn quantise_as<O: BatchedObservation>(
     seed: u64,
     worlds: u32,
     provenance: Provenance<'_>,
+    watch: Watch<'_>,
 ) -> Result<Vec<u8>, QuantiseError> {
-    let (ranges, situations) = calibrate(actor, scenario, seed, worlds)?;
+    let (ranges, situations) = calibrate(actor, scenario, seed, worlds, watch)?;
     let mut best: Option<(usize, Vec<u8>)> = None;
     for own in OWN_RANGE {
         let file = compose::<O>(actor, &ranges, own, &situations, provenance)?;

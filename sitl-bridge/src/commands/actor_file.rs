@@ -1,6 +1,8 @@
 //! `self-test` and `signature`: does this computer compute what the actor's exporter computed?
 
+use super::output::print;
 use firmware_core::actor::{self, Actor, FINGERPRINT_CASES, LoadError, SELF_TESTS, SelfTestError};
+use miette::IntoDiagnostic as _;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 use thiserror::Error;
@@ -45,11 +47,11 @@ impl SelfTest {
     /// Runs the self-test and prints one line when it passes.
     ///
     /// # Errors
-    /// See [`ActorFileError`].
-    pub fn run(self) -> Result<(), ActorFileError> {
-        with_actor(self.file, |actor| {
-            println!("{SELF_TESTS} vectors hold, actor {:016x}", actor.content_hash());
-        })
+    /// See [`ActorFileError`]; or standard output takes nothing.
+    pub fn run(self) -> miette::Result<()> {
+        let line =
+            with_actor(self.file, |actor| format!("{SELF_TESTS} vectors hold, actor {:016x}\n", actor.content_hash()));
+        print(&line.into_diagnostic()?)
     }
 }
 
@@ -67,17 +69,17 @@ impl Signature {
     /// Prints the signature, 16 hexadecimal digits.
     ///
     /// # Errors
-    /// See [`ActorFileError`]; the self-test comes first.
-    pub fn run(self) -> Result<(), ActorFileError> {
-        with_actor(self.file, |actor| println!("{:016x}", actor::fingerprint(actor, self.cases)))
+    /// See [`ActorFileError`]; the self-test comes first. Or standard output takes nothing.
+    pub fn run(self) -> miette::Result<()> {
+        let line = with_actor(self.file, |actor| format!("{:016x}\n", actor::fingerprint(actor, self.cases)));
+        print(&line.into_diagnostic()?)
     }
 }
 
 /// Calls `action` with the actor of the file, which has passed its self-test.
-fn with_actor(path: PathBuf, action: impl FnOnce(&Actor<'_>)) -> Result<(), ActorFileError> {
+fn with_actor<T>(path: PathBuf, action: impl FnOnce(&Actor<'_>) -> T) -> Result<T, ActorFileError> {
     let bytes = read(&path)?;
-    action(&flight_ready(&bytes, &path)?);
-    Ok(())
+    Ok(action(&flight_ready(&bytes, &path)?))
 }
 
 /// The bytes of an actor file.

@@ -6,7 +6,6 @@ use super::mission::MissionCommand;
 use super::replay::ReplayTlog;
 use super::swarm::Swarm;
 use clap::{Parser, Subcommand};
-use miette::IntoDiagnostic as _;
 use std::process::ExitCode;
 
 /// Flies Covey's actor over MAVLink.
@@ -44,8 +43,8 @@ impl Cli {
             Command::Fly(args) => args.run(),
             Command::Swarm(args) => args.run(),
             Command::Mission(args) => args.run(),
-            Command::SelfTest(args) => args.run().into_diagnostic(),
-            Command::Signature(args) => args.run().into_diagnostic(),
+            Command::SelfTest(args) => args.run(),
+            Command::Signature(args) => args.run(),
         }?;
         Ok(ExitCode::SUCCESS)
     }

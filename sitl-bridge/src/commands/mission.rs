@@ -1,5 +1,6 @@
 //! `mission`: missions written, checked and made of other files.
 
+use super::output::print;
 use crate::mission::{Draft, Given, Loaded, Mission, Origin};
 use crate::outlet::say;
 use covey_env::{Scenario, World};
@@ -160,8 +161,7 @@ impl WriteWorld {
         world.reset(self.seed, self.world);
         let origin = Origin { lat: self.lat, lon: self.lon, alt_m: self.alt };
         let mission = Mission::of_world(&world, origin).into_diagnostic().wrap_err("no map can be laid there")?;
-        print!("{}", mission.to_toml(&format!("World {} of seed {}", self.world, self.seed)));
-        Ok(())
+        print(&mission.to_toml(&format!("World {} of seed {}", self.world, self.seed)))
     }
 }
 
@@ -181,16 +181,11 @@ impl CheckMission {
                 "fence_corners": mission.fence.len(), "epoch_unix_ms": mission.epoch_unix_ms,
                 "notes": said(false), "warnings": said(true),
             });
-            println!("{}", serde_json::to_string_pretty(&object).into_diagnostic()?);
-            return Ok(());
+            return print(&format!("{}\n", serde_json::to_string_pretty(&object).into_diagnostic()?));
         }
-        print!("{}", describe(&self.file, &loaded));
-        println!("hash       {hash}");
-        remarks.iter().for_each(|remark| println!("{remark}"));
-        if !remarks.iter().any(|remark| remark.warning) {
-            println!("no warnings");
-        }
-        Ok(())
+        let remarks_told: String = remarks.iter().map(|remark| format!("{remark}\n")).collect();
+        let end = if remarks.iter().any(|remark| remark.warning) { "" } else { "no warnings\n" };
+        print(&format!("{}hash       {hash}\n{remarks_told}{end}", describe(&self.file, &loaded)))
     }
 }
 
@@ -204,8 +199,7 @@ impl Convert {
         let title = format!("Made of {}", name.chars().filter(|c| !c.is_control()).collect::<String>());
         let toml = loaded.mission.to_toml(&title);
         if self.output.as_os_str() == "-" {
-            print!("{toml}");
-            return Ok(());
+            return print(&toml);
         }
         // Also where the output is the input.
         if !self.force && self.output.exists() {
@@ -215,11 +209,11 @@ impl Convert {
             ));
         }
         if self.output.extension().is_some_and(|e| !e.eq_ignore_ascii_case("toml")) {
-            eprintln!("note: {} is written as TOML whatever its name says", self.output.display());
+            say(&format!("note: {} is written as TOML whatever its name says", self.output.display()));
         }
         let written = || format!("cannot write {}", self.output.display());
         atomic::write(&self.output, toml.as_bytes()).into_diagnostic().wrap_err_with(written)?;
-        eprint!("{}", describe(&self.output, &loaded));
+        say(describe(&self.output, &loaded).trim_end());
         Ok(())
     }
 }
@@ -228,7 +222,7 @@ impl Convert {
 fn finish(path: &Path, draft: Draft) -> Result<Loaded> {
     let notes: Vec<String> = draft.notes().map(str::to_owned).collect();
     draft.finish().into_diagnostic().inspect_err(|_| {
-        notes.iter().for_each(|note| eprintln!("note: mission {}: {note}", path.display()));
+        notes.iter().for_each(|note| say(&format!("note: mission {}: {note}", path.display())));
     })
 }
 

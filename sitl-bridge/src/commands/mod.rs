@@ -6,6 +6,7 @@ mod command;
 mod console;
 mod fly;
 mod mission;
+mod output;
 mod recorded;
 mod recording;
 mod replay;

@@ -4,6 +4,7 @@ use super::args::TimingArgs;
 use super::mission::hexadecimal;
 use crate::mission::Mission;
 use crate::node::{FeedForward, Pace, StepTiming};
+use crate::outlet::say;
 use crate::replay::RecordingInfo;
 use crate::tlog::Flight;
 use firmware_core::gate::Limits;
@@ -83,15 +84,15 @@ fn recorded_timing(flight: &Flight) -> Option<StepTiming> {
 pub(super) fn check_mission(info: &RecordingInfo, mission: &Mission, path: &Path, other: bool) -> Result<()> {
     let path = path.display();
     let Some(flown) = info.flight.as_ref().and_then(|flight| flight.get("mission")) else {
-        eprintln!(
+        say(&format!(
             "warning: the recording, of an earlier version, does not say which mission was flown; {path} is taken for it"
-        );
+        ));
         return Ok(());
     };
     let ours = hexadecimal(&mission.hash());
     if other {
         if flown != ours {
-            eprintln!("warning: mission {} was flown, and {path} is {}", short(flown), short(&ours));
+            say(&format!("warning: mission {} was flown, and {path} is {}", short(flown), short(&ours)));
         }
         return Ok(());
     }

@@ -3,10 +3,12 @@
 use super::actor_file::flight_ready;
 use super::args::{ActorArgs, TimingArgs};
 use super::mission;
+use super::output::print;
 use super::recorded::{Recorded, check_mission};
 use crate::frame::Source;
 use crate::mission::PoiMap;
 use crate::node::{Node, Settings, gate_limits};
+use crate::outlet::say;
 use crate::replay::{RecordingError, RecordingInfo, Replay, ReplayCheck, ReplayReport, foreign};
 use crate::signing::{LinkSigning, Session};
 use crate::tlog::TlogReader;
@@ -61,7 +63,7 @@ impl ReplayTlog {
             Ok(true) => ExitCode::SUCCESS,
             Ok(false) => ExitCode::FAILURE,
             Err(report) => {
-                eprintln!("Error: {report:?}");
+                say(&format!("Error: {report:?}"));
                 ExitCode::from(TROUBLE)
             }
         }
@@ -113,11 +115,11 @@ impl ReplayTlog {
         }
         let report = replay.finish();
         if let Some(flown) = report.flown_actor.filter(|&flown| flown != actor.message_hash()) {
-            eprintln!(
+            say(&format!(
                 "warning: actor {flown:08x} was flown, and {} is {:08x}: name the other with --actor",
                 name.display(),
                 actor.message_hash()
-            );
+            ));
         }
         if info.flight.is_none() && report.counts_otherwise() {
             return Err(miette!(
@@ -142,34 +144,33 @@ impl ReplayTlog {
 
     fn tell(&self, info: &RecordingInfo, report: &ReplayReport) -> Result<()> {
         if info.skipped > 0 {
-            eprintln!(
+            say(&format!(
                 "warning: {}: {} bytes belong to no record: it is damaged, and frames are missing",
                 self.file.display(),
                 info.skipped
-            );
+            ));
         }
         if info.cut {
-            eprintln!(
+            say(&format!(
                 "warning: {}: it ends in the middle of a record, as after a power cut; what came before is used",
                 self.file.display()
-            );
+            ));
         }
         if self.json {
             let object = serde_json::json!({
                 "file": self.file.to_string_lossy(), "uav": info.id, "records": info.records, "skipped_bytes": info.skipped,
                 "cut": info.cut, "mission_named": info.flight.is_some(), "equal_in_all": report.is_equal(), "account": report,
             });
-            println!("{}", serde_json::to_string_pretty(&object).into_diagnostic()?);
-            return Ok(());
+            return print(&format!("{}\n", serde_json::to_string_pretty(&object).into_diagnostic()?));
         }
-        println!(
-            "UAV {}: {} frames, {} decisions: {} of {} as they were flown, {} without a setpoint",
+        let mut text = format!(
+            "UAV {}: {} frames, {} decisions: {} of {} as they were flown, {} without a setpoint\n",
             info.id, info.records, report.decisions, report.equal, report.compared, report.without_setpoint
         );
-        report.differences.iter().take(TOLD).for_each(|difference| println!("{difference}"));
+        text.extend(report.differences.iter().take(TOLD).map(|difference| format!("{difference}\n")));
         if report.differences.len() > TOLD {
-            println!("and {} more", report.differences.len() - TOLD);
+            text += &format!("and {} more\n", report.differences.len() - TOLD);
         }
-        Ok(())
+        print(&text)
     }
 }

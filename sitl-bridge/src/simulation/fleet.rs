@@ -1,5 +1,6 @@
 //! The fleet of autopilots: a process of `python -m simlink`, or of `python -m sitl`.
 
+use crate::outlet::say;
 use serde_json::Value;
 use std::io::{self, BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
@@ -96,7 +97,7 @@ impl Fleet {
             threads.push(thread::spawn(move || {
                 for line in BufReader::new(stderr).lines().map_while(Result::ok) {
                     if verbose {
-                        eprintln!("{line}");
+                        say(&line);
                     }
                     let mut log = log.lock().unwrap_or_else(PoisonError::into_inner);
                     if log.len() == LOG_LINES {

@@ -12,6 +12,7 @@ use crate::connection::{Address, Connection};
 use crate::mission::{Mission, PoiMap};
 use crate::node::run::{Links, NodeEvent, RunControl, run};
 use crate::node::{FeedForward, Node, Pace, Settings, StepTiming, gate_limits};
+use crate::outlet::say;
 use crate::signing::Session;
 use crate::swarm_link::{SwarmAddress, SwarmSocket};
 use crate::tlog::TlogWriter;
@@ -128,7 +129,7 @@ fn start_fleet(
 /// Keeps the files of autopilots whose flight failed, and says where they are.
 fn told_where(folder: Option<&mut RunFolder>) {
     if let Some(folder) = folder {
-        eprintln!("the autopilots' files and output are kept in {}", folder.keep().display());
+        say(&format!("the autopilots' files and output are kept in {}", folder.keep().display()));
     }
 }
 

@@ -6,6 +6,7 @@ use super::flight::{fly_world, set_recordings_aside};
 use super::settings::Simulation;
 use super::summary::Summary;
 use super::world_flight::WorldFlight;
+use crate::outlet::say;
 use covey_env::World;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -56,7 +57,7 @@ impl Simulation<'_> {
             Err(error @ (SimulationError::NotAirborne { .. } | SimulationError::MissedStart(_)))
                 if self.fleet.is_empty() =>
             {
-                eprintln!("world {index}: {error}; once more, slower");
+                say(&format!("world {index}: {error}; once more, slower"));
                 set_recordings_aside(self, index)?;
                 fly_world(self, index, &world, SLOW_BRING_UP_SPEED, stop)
             }

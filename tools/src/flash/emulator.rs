@@ -4,6 +4,7 @@ use super::actor_file::ActorFile;
 use super::progress::say;
 use super::serial::verify;
 use crate::error::Result;
+use crate::output::print;
 use crate::setup;
 use crate::targets::artefacts::{Board, Image};
 use crate::targets::flight::{PATIENCE, session::Session};
@@ -19,7 +20,7 @@ pub use crate::targets::qemu::Machine::{CortexM4f as M4F, CortexM7 as M7};
 pub fn flash(machine: Machine, actor: &ActorFile, dry_run: bool) -> Result<()> {
     if dry_run {
         say("would run, after building the program for it:");
-        println!("  {}", machine.run("flight".as_ref(), Some(&actor.path)));
+        print(&format!("  {}\n", machine.run("flight".as_ref(), Some(&actor.path))))?;
         return Ok(());
     }
     setup::install(NEEDS)?;

@@ -6,6 +6,7 @@ use super::error::FlashError;
 use super::progress::say;
 use crate::command::Cmd;
 use crate::error::{Error, Result};
+use crate::output::print;
 use crate::setup;
 use crate::targets::NEEDS;
 use crate::targets::artefacts::Node;
@@ -67,7 +68,7 @@ impl Host {
         if dry_run {
             say("would run, with the node built for that machine:");
             for command in [self.machine()].into_iter().chain(uploads("sitl-bridge")).chain([sign, switch]) {
-                println!("  {command}");
+                print(&format!("  {command}\n"))?;
             }
             return Ok(());
         }

@@ -5,6 +5,7 @@ use super::error::FlashError;
 use super::progress::say;
 use crate::command::Cmd;
 use crate::error::{Error, Result};
+use crate::output::print;
 use crate::setup::{self, Item};
 use crate::targets::artefacts::{Board, Image};
 
@@ -52,7 +53,7 @@ impl Probe {
             let program = self.probe_rs(&["download", "--chip", CHIP, "--verify", "flight"]);
             let program = (!actor_only).then_some(program);
             for command in [self.list(), self.read_id()].into_iter().chain(program).chain([write_actor, reset]) {
-                println!("  {command}");
+                print(&format!("  {command}\n"))?;
             }
             return Ok(());
         }

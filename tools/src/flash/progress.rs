@@ -2,5 +2,5 @@
 
 /// Prints one line of progress.
 pub fn say(text: &str) {
-    println!("flash: {text}");
+    crate::output::show!("flash: {text}");
 }

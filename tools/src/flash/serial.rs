@@ -12,6 +12,7 @@ use super::error::FlashError;
 use super::progress::say;
 use crate::command::Cmd;
 use crate::error::{Error, Result};
+use crate::output::print;
 
 /// Speed of the board's serial port, bit/s.
 const BAUD: &str = "921600";
@@ -31,7 +32,7 @@ pub fn check(actor: &ActorFile, port: &Path, dry_run: bool) -> Result<()> {
     // The port carries raw bytes, and a read returns after a tenth of a second in which nothing came.
     let stty = Cmd::new("stty").arg("-F").arg(port).args([BAUD, "raw", "-echo", "min", "0", "time", "1"]);
     if dry_run {
-        println!("  {stty}");
+        print(&format!("  {stty}\n"))?;
         return Ok(());
     }
     stty.read()?;

@@ -21,6 +21,7 @@ mod uses;
 use std::fs;
 
 use crate::error::{Error, Result};
+use crate::output::print;
 use crate::workspace;
 use graph::Graph;
 use packages::{Package, packages};
@@ -59,13 +60,12 @@ pub fn main(args: &Args) -> Result<()> {
     complaints.extend(arrows::differences(&document, &packages));
     complaints.extend(paths::missing(&document, &root));
     if complaints.is_empty() {
-        println!(
-            "no circle in {} crates and {} Python packages; the crates' dependencies and the files are those of {}",
+        return print(&format!(
+            "no circle in {} crates and {} Python packages; the crates' dependencies and the files are those of {}\n",
             packages.len(),
             PYTHON.len(),
             arrows::DOCUMENT
-        );
-        return Ok(());
+        ));
     }
     Err(Error::Modules(complaints.join("\n")))
 }

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use crate::command::Cmd;
 use crate::error::{Error, Result};
+use crate::output::tell;
 use crate::workspace::find_program;
 
 /// How often to try again while another package manager holds the lock.
@@ -26,7 +27,7 @@ pub fn install(packages: &[&str]) -> Result<()> {
     if let Some(permitted) = permission()? {
         let as_root =
             |command: &Cmd| if permitted == Permission::Sudo { command.clone().into_root() } else { command.clone() };
-        eprintln!("setup: {}", as_root(&install));
+        tell!("setup: {}", as_root(&install));
         return twice(|| {
             run_when_unlocked(&as_root(&update))?;
             run_when_unlocked(&as_root(&install))
@@ -67,7 +68,7 @@ fn permission() -> Result<Option<Permission>> {
 /// The second run failed.
 pub fn twice<T>(mut action: impl FnMut() -> Result<T>) -> Result<T> {
     action().or_else(|error| {
-        eprintln!("setup: {error}\nsetup: once more");
+        tell!("setup: {error}\nsetup: once more");
         action()
     })
 }

@@ -8,6 +8,7 @@ pub mod simlink;
 pub use item::Item;
 
 use crate::error::{Error, Result};
+use crate::output::{print, tell};
 
 /// Options of `cargo xtask setup`.
 #[derive(clap::Args)]
@@ -36,7 +37,8 @@ pub fn main(args: &Args) -> Result<()> {
         return install(items);
     }
     for &item in items {
-        println!("{} {:<14} {}", if item.is_present() { "ok     " } else { "missing" }, item.name(), item.purpose());
+        let word = if item.is_present() { "ok     " } else { "missing" };
+        print(&format!("{word} {:<14} {}\n", item.name(), item.purpose()))?;
     }
     let names: Vec<_> = items.iter().filter(|item| !item.is_present()).map(|item| item.name()).collect();
     if names.is_empty() { Ok(()) } else { Err(Error::Missing { names: names.join(", ") }) }
@@ -49,7 +51,7 @@ pub fn main(args: &Args) -> Result<()> {
 pub fn install(items: &[Item]) -> Result<()> {
     let mut missing: Vec<Item> = items.iter().copied().filter(|item| !item.is_present()).collect();
     if missing.is_empty() {
-        eprintln!("setup: all {} items are there, nothing to do", items.len());
+        tell!("setup: all {} items are there, nothing to do", items.len());
         return Ok(());
     }
     // The simulated autopilots' environment is made by Python's venv.
@@ -57,7 +59,7 @@ pub fn install(items: &[Item]) -> Result<()> {
         missing.insert(0, Item::PythonVenv);
     }
     for item in &missing {
-        eprintln!("setup: {} is missing ({})", item.name(), item.purpose());
+        tell!("setup: {} is missing ({})", item.name(), item.purpose());
     }
     let packages: Vec<&str> = missing.iter().flat_map(|item| item.packages()).copied().collect();
     if !packages.is_empty() {
@@ -76,7 +78,7 @@ pub fn install(items: &[Item]) -> Result<()> {
                 item.name(),
             )));
         }
-        eprintln!("setup: {} is ready", item.name());
+        tell!("setup: {} is ready", item.name());
     }
     Ok(())
 }

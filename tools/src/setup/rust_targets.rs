@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use super::apt::{self, twice};
 use crate::command::Cmd;
 use crate::error::{Error, Result};
+use crate::output::tell;
 use crate::workspace::{self, find_program};
 
 /// The target of bare-metal Cortex-M4F and Cortex-M7.
@@ -79,10 +80,10 @@ impl Toolchain {
 pub fn install(ask_rustup: bool) -> Result<()> {
     if ask_rustup && find_program(&["rustup"]).is_some() {
         let add = Cmd::new("rustup").args(["target", "add", CORTEX_M, AARCH64]);
-        eprintln!("setup: {add}");
+        tell!("setup: {add}");
         match twice(|| add.read()) {
             Ok(_) => return Ok(()),
-            Err(error) => eprintln!("setup: rustup cannot ({error})\nsetup: taking Debian's packages instead"),
+            Err(error) => tell!("setup: rustup cannot ({error})\nsetup: taking Debian's packages instead"),
         }
     }
     let linker = if rust_lld().is_some() { &[][..] } else { &["binutils-arm-none-eabi"] };
@@ -146,7 +147,7 @@ fn build_sysroot() -> Result<()> {
 /// Builds the libraries core and alloc from Debian's source into `into`, with the bitcode that link-time optimisation
 /// needs.
 fn core_for_cortex_m(draft: &Path, into: &Path) -> Result<()> {
-    eprintln!("setup: building Rust's core library for {CORTEX_M}, once (about half a minute)");
+    tell!("setup: building Rust's core library for {CORTEX_M}, once (about half a minute)");
     let package = draft.join("core");
     create(&package.join("src"))?;
     let manifest =
@@ -175,7 +176,7 @@ fn core_for_cortex_m(draft: &Path, into: &Path) -> Result<()> {
 
 /// Downloads and unpacks Debian's standard library for arm64, without adding that architecture to the system.
 fn std_for_aarch64(draft: &Path, done: &Path, libraries: &Path) -> Result<()> {
-    eprintln!("setup: fetching Rust's standard library for {AARCH64}");
+    tell!("setup: fetching Rust's standard library for {AARCH64}");
     let apt = draft.join("apt");
     create(&apt.join("lists/partial"))?;
     create(&apt.join("cache/archives/partial"))?;

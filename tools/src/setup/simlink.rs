@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use super::apt::twice;
 use crate::command::Cmd;
 use crate::error::{Error, Result};
+use crate::output::tell;
 use crate::workspace;
 
 /// The path of the environment's Python.
@@ -47,7 +48,7 @@ pub fn install() -> Result<()> {
     let pip = Cmd::new(python())
         .args(["-m", "pip", "install", "--quiet", "--no-input", "--disable-pip-version-check", "--requirement"])
         .arg(requirements());
-    eprintln!("setup: {pip}");
+    tell!("setup: {pip}");
     twice(|| pip.read())?;
     let site = Cmd::new(python()).args(["-c", "import sysconfig; print(sysconfig.get_path('purelib'))"]).read()?;
     let path_file = PathBuf::from(site.trim()).join("simlink.pth");

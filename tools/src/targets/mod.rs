@@ -14,6 +14,7 @@ use firmware_core::actor::FINGERPRINT_CASES;
 
 use crate::error::{Error, Result};
 use crate::figures;
+use crate::output::{print, tell};
 use crate::setup::{self, Item};
 use artefacts::{Actors, Image, Node};
 use qemu::Machine;
@@ -43,11 +44,8 @@ pub struct Args {
 pub fn main(args: &Args) -> Result<()> {
     setup::install(NEEDS)?;
     let rows = measure()?;
-    if args.json {
-        println!("{}", figures::json(&rows));
-    } else {
-        println!("{}", row::table(&rows));
-    }
+    let text = if args.json { figures::json(&rows) } else { row::table(&rows) };
+    print(&format!("{text}\n"))?;
     if args.bless {
         limits::bless(&rows)?;
     }
@@ -129,5 +127,5 @@ fn row_of(target: &str, profile: &str, signature: u64, sizes: elf::Sizes) -> Row
 
 /// Prints a line of progress on the error output, apart from the result.
 pub fn progress(text: &str) {
-    eprintln!("targets: {text}");
+    tell!("targets: {text}");
 }

@@ -6,6 +6,7 @@ mod tally;
 use std::time::{Duration, Instant};
 
 use crate::error::{Error, Result};
+use crate::output::{print, show};
 use crate::setup::{self, Item};
 use step::{STEPS, Step};
 use tally::Tally;
@@ -37,10 +38,8 @@ struct Outcome {
 pub fn main(args: &Args) -> Result<()> {
     let steps = select(&args.only)?;
     if args.list {
-        for step in steps {
-            println!("{:<12} {}", step.name, step.command());
-        }
-        return Ok(());
+        let lines: String = steps.iter().map(|step| format!("{:<12} {}\n", step.name, step.command())).collect();
+        return print(&lines);
     }
 
     let mut needs: Vec<Item> = Vec::new();
@@ -55,7 +54,7 @@ pub fn main(args: &Args) -> Result<()> {
         outcomes.push(timed("setup", || setup::install(&needs)));
     }
     for step in steps {
-        println!("\n== {}: {}", step.name, step.command());
+        show!("\n== {}: {}", step.name, step.command());
         outcomes.push(timed(step.name, || step.run(&mut tally)));
     }
     summarise(&outcomes, &tally)
@@ -75,23 +74,23 @@ fn timed(name: &'static str, action: impl FnOnce() -> Result<()>) -> Outcome {
     let start = Instant::now();
     let error = action().err();
     if let Some(error) = &error {
-        println!("{name}: {error}");
+        show!("{name}: {error}");
     }
     Outcome { name, took: start.elapsed(), error }
 }
 
 /// Prints a line for each step, then the errors, and the count of tests as the last line.
 fn summarise(outcomes: &[Outcome], tally: &Tally) -> Result<()> {
-    println!("\n== summary");
+    show!("\n== summary");
     for outcome in outcomes {
         let word = if outcome.error.is_some() { "FAILED" } else { "ok" };
-        println!("{:<12} {word:<6} {:>5} s", outcome.name, outcome.took.as_secs());
+        show!("{:<12} {word:<6} {:>5} s", outcome.name, outcome.took.as_secs());
     }
     let failed: Vec<_> = outcomes.iter().filter_map(|outcome| Some((outcome.name, outcome.error.as_ref()?))).collect();
     for (name, error) in &failed {
         let again = if *name == "setup" { "setup".to_owned() } else { format!("test --only {name}") };
-        println!("{name}: {error}\n  again alone: cargo xtask {again}");
+        show!("{name}: {error}\n  again alone: cargo xtask {again}");
     }
-    println!("{}", tally.closing_line(failed.len()));
+    show!("{}", tally.closing_line(failed.len()));
     if failed.is_empty() { Ok(()) } else { Err(Error::Reported) }
 }

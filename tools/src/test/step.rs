@@ -4,6 +4,7 @@ use super::tally::Tally;
 use crate::command::Cmd;
 use crate::counts;
 use crate::error::Result;
+use crate::output::show;
 use crate::setup::Item;
 use crate::setup::rust_targets::{CORTEX_M, Toolchain};
 use crate::setup::simlink;
@@ -93,7 +94,7 @@ impl Step {
     /// The command failed.
     pub fn run(&self, tally: &mut Tally) -> Result<()> {
         if self.lints_image && Toolchain::required()? == Toolchain::Linked {
-            println!("left out: the targets' libraries are Debian's, which has no clippy for them");
+            show!("left out: the targets' libraries are Debian's, which has no clippy for them");
             return Ok(());
         }
         self.command().run_watched(|line| tally.read(line))

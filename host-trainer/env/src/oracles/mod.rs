@@ -7,4 +7,4 @@ mod parked;
 mod targets;
 
 pub use fly_to_sites::FlyToSites;
-pub use parked::evaluate_parked;
+pub use parked::{evaluate_parked, spawn_parked};

@@ -11,7 +11,7 @@ use firmware_core::actor::ActorInput;
 use rayon::prelude::*;
 
 /// [`crate::evaluate`] with a policy that flies over a radio channel; returns what the channel did, too. `policy_seed`
-/// gives the policy seed of the world of an index. The result does not depend on the number of threads.
+/// gives the policy seed of the world of an index; `on_state` sees every state, the spawn states too. The result does not depend on the number of threads.
 ///
 /// # Errors
 /// [`RadioWorldError`] when the scenario is not valid or the policy is for another number of UAVs.
@@ -21,6 +21,7 @@ pub fn evaluate_over_radio<O: ActorInput>(
     worlds: u64,
     policy: &RadioPolicy<'_, O>,
     policy_seed: impl Fn(u64) -> u64 + Sync,
+    on_state: impl Fn(&World) + Sync,
 ) -> Result<(Evaluation, RadioFigures), RadioWorldError> {
     let fresh = World::new(scenario)?;
     let nodes = policy.channel().nodes();
@@ -32,7 +33,7 @@ pub fn evaluate_over_radio<O: ActorInput>(
         |(world, policy), index| {
             world.reset(seed, index);
             policy.reseed(policy_seed(index));
-            rollout(world, policy, |_| {});
+            rollout(world, policy, &on_state);
             (world.metrics(), policy.figures())
         },
     );

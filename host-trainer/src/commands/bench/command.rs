@@ -6,6 +6,8 @@ use super::median::median;
 use super::report::{Report, print, stage_name};
 use crate::cli::{Bench, BenchStage, Device};
 use crate::commands::device::put;
+use crate::commands::hold::Hold;
+use crate::commands::interrupt::Stop;
 use crate::commands::output::say_out;
 use crate::commands::settings::apply;
 use crate::commands::threads::{cores, use_threads};
@@ -26,6 +28,7 @@ pub fn run(args: &Bench) -> Result<()> {
     // Learning from reward alone: behaviour cloning ends early in a run. Swarms of one size, so that all agent-steps are alike.
     let mut s = Settings { graph: args.graph, cloning_weight: 0.0, uavs_max: 0, ..Settings::default() };
     apply(&mut s, &args.set)?;
+    let _stop = Stop::with_words("stopped measuring; the same command begins again".into())?;
     let threads = args.threads.unwrap_or_else(|| cores().min(s.shards as usize)).max(1);
     use_threads(Some(threads));
     let workers = Workers::new(threads).into_diagnostic()?;
@@ -40,6 +43,7 @@ pub fn run(args: &Bench) -> Result<()> {
         let other = Trainer::with_inputs(s.clone(), inputs).into_diagnostic()?;
         Some(put(other, args.device)?)
     };
+    Hold::before_measuring()?;
     let report = measure(args, &s, &mut trainer, on_device.as_mut(), &workers)?;
     if args.json {
         say_out!("{}", serde_json::to_string_pretty(&report).into_diagnostic()?)?;

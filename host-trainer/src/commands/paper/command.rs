@@ -3,6 +3,7 @@
 use super::plan::plan;
 use super::training::train;
 use crate::cli::ExperimentPaper;
+use crate::commands::hold::Hold;
 use crate::commands::interrupt::{INTERRUPTED, Stop};
 use crate::commands::output::{say_out, tell};
 use crate::commands::threads::{cores, use_threads};
@@ -17,6 +18,7 @@ const QUICK_WORLDS: u32 = 3;
 const RESULTS: &str = "results.json";
 const PAGE: &str = "report.md";
 const FIGURES: &str = "figures";
+const MEASURING: &str = "stopped while measuring; what was flown so far is kept, the same command goes on";
 const STOPPED: &str = "stopped, and saved; the same command goes on";
 
 /// Trains, flies, reports.
@@ -34,15 +36,17 @@ pub fn run(args: &ExperimentPaper) -> Result<()> {
     let threads = args.threads.unwrap_or_else(cores);
     use_threads(Some(threads));
     std::fs::create_dir_all(&args.out).map_err(|e| miette!("cannot make the folder {}: {e}", args.out.display()))?;
+    let stop = Stop::with_words(STOPPED.into())?;
     if !args.report_only {
         let wanted = plan(args)?;
-        let stop = Stop::on_signals()?;
-        stop.at_once(STOPPED.into());
         if !train(args, &wanted, threads, &stop)? {
             tell!("{STOPPED}");
             std::process::exit(INTERRUPTED);
         }
     }
+    stop.at_once(MEASURING.into());
+    stop.end_if_signalled();
+    Hold::before_measuring()?;
     let results = results(args)?;
     write(&results, &args.out, args.quiet)
 }

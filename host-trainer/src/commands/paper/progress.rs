@@ -46,7 +46,7 @@ impl Watch {
         self.with(|(progress, done)| {
             *done += episodes;
             progress.update(&Status {
-                episodes: *done,
+                done: *done,
                 elapsed,
                 agent_steps_per_s: ((*done - self.before) * self.steps) as f64 / elapsed.as_secs_f64(),
                 coverage: None,

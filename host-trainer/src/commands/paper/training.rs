@@ -2,7 +2,7 @@
 
 use super::progress::Watch;
 use crate::cli::ExperimentPaper;
-use crate::commands::interrupt::Stop;
+use crate::commands::interrupt::{SAVING, Stop};
 use crate::commands::session::Session;
 use crate::experiments::paper::{Run, check, finished, folder_of, run_name, runs};
 use crate::run::{CheckpointError, FolderError, RunFolder};
@@ -102,7 +102,7 @@ fn train_run(path: &Path, settings: &Settings, workers: &Workers, stop: &Stop, w
     let mut session = Session::open(folder, lock, trainer, resumed, Mode::Quiet)?;
     let mut before = session.episodes();
     let done = {
-        let _saving = stop.saving();
+        let _saving = stop.waits(SAVING);
         session.train(workers, stop, |row| {
             watch.played(row.episodes - before);
             before = row.episodes;

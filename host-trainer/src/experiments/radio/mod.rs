@@ -5,4 +5,4 @@ mod conditions;
 mod page;
 mod study;
 
-pub use study::{RadioStudy, study};
+pub use study::{RadioStudy, study, study_agent_steps};

@@ -1,7 +1,7 @@
 //! The measurement.
 
 use super::conditions::radios;
-use crate::eval::{EvalConfig, EvalRow, evaluate_with_radio};
+use crate::eval::{EvalConfig, EvalRow, Watch, evaluate_with_radio};
 use covey_env::Evaluation;
 use covey_env::radio::{RadioSettings, RadioWorldError};
 use firmware_core::actor::{ActorInput, QuantisedActor};
@@ -25,7 +25,13 @@ pub struct RadioStudy {
     pub(super) measured: Vec<Measured>,
 }
 
-/// Evaluates the actor over every radio of the study; `watch` sees each row with its number, from 1,
+/// Agent-steps that the study of these worlds flies.
+#[must_use]
+pub fn study_agent_steps(config: &EvalConfig) -> u64 {
+    radios().len() as u64 * config.agent_steps()
+}
+
+/// Evaluates the actor over every radio of the study; `steps` hears how far it is, in agent-steps, and `watch` sees each row with its number, from 1,
 /// and the number of all.
 ///
 /// # Errors
@@ -33,13 +39,14 @@ pub struct RadioStudy {
 pub fn study<O: ActorInput>(
     actor: &QuantisedActor<'_, O>,
     config: &EvalConfig,
+    steps: Watch<'_>,
     mut watch: impl FnMut(&EvalRow, usize, usize),
 ) -> Result<RadioStudy, RadioWorldError> {
     let name = format!("{} int8", actor.aggregation().name());
     let radios = radios();
     let (mut measured, mut lossless) = (Vec::new(), None);
     for radio in &radios {
-        let (row, evaluation) = evaluate_with_radio(actor, &name, config, radio)?;
+        let (row, evaluation) = evaluate_with_radio(actor, &name, config, radio, steps)?;
         let kept = ratio(&evaluation, lossless.get_or_insert_with(|| evaluation.clone()));
         measured.push(Measured { radio: radio.clone(), row, kept });
         watch(&measured[measured.len() - 1].row, measured.len(), radios.len());

@@ -4,6 +4,7 @@ use super::shared::SharedArgs;
 use crate::commands::console::Console;
 use crate::commands::fly::parting;
 use crate::commands::mission;
+use crate::commands::output::print;
 use crate::commands::recording::create;
 use crate::connection::{Address, Connection};
 use crate::mission::PoiMap;
@@ -144,7 +145,7 @@ impl RealArgs {
         view.finish();
         say(&format!("stopped: {}", parting(airborne.load(Ordering::Relaxed), self.land_on_exit)));
         if shared.json {
-            println!("{}", counters.to_json(shared.count));
+            print(&format!("{}\n", counters.to_json(shared.count)))?;
         }
         flown.into_diagnostic()
     }

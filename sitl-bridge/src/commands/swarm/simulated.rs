@@ -1,6 +1,8 @@
 //! `swarm --sim`: against simulated autopilots.
 
 use super::shared::SharedArgs;
+use crate::commands::output::print;
+use crate::outlet::say;
 use crate::simulation::{FleetKind, Page, Simulation, WorldFlight, find_python};
 use crate::status_view::ViewMode;
 use covey_env::Scenario;
@@ -114,22 +116,21 @@ impl SimulatedArgs {
                 if let Some((_, page, made)) = page.as_mut().filter(|(.., made)| made.is_ok()) {
                     *made = page.add(&simulation, index, flight);
                 }
-                eprintln!("{}", line(index, flight));
+                say(&line(index, flight));
                 if let (Some(difference), true) = (&flight.first_difference, shared.verbose || self.ideal) {
-                    eprintln!("  the first other decision: {difference}");
+                    say(&format!("  the first other decision: {difference}"));
                 }
             });
         let summary = summary.into_diagnostic()?;
         if let Some((path, page, made)) = page {
             made.and_then(|()| page.write(&path, &simulation, &summary)).into_diagnostic()?;
-            eprintln!("{} plays the flight{}", path.display(), if summary.worlds == 1 { "" } else { "s" });
+            say(&format!("{} plays the flight{}", path.display(), if summary.worlds == 1 { "" } else { "s" }));
         }
         if json {
-            println!("{}", serde_json::to_string_pretty(&summary).into_diagnostic()?);
+            print(&format!("{}\n", serde_json::to_string_pretty(&summary).into_diagnostic()?))
         } else {
-            println!("{summary}");
+            print(&format!("{summary}\n"))
         }
-        Ok(())
     }
 }
 
