@@ -11,6 +11,7 @@ pub mod gate;
 pub mod geometry;
 pub mod hash;
 pub mod kernel;
+pub mod memory;
 pub mod message;
 pub mod navigation;
 pub mod neighbour_table;

@@ -85,7 +85,7 @@ fn bad_evaluations_are_refused() {
     let cases: [(&[&str], &[&str]); 8] = [
         (
             &["--policy", "clever"],
-            &["clever", "random, hover, greedy, centroid, follower, planner, remembering, oracle, parked"],
+            &["clever", "random, hover, greedy, centroid, follower, planner, remembering, relaying, oracle, parked"],
         ),
         (&["--policy", "hover", "--poi-distribution", "ring"], &["ring", "clustered, uniform"]),
         (&["--policy", "hover", "--decide", "best"], &["best", "sample, argmax"]),

@@ -2,10 +2,11 @@
 //!
 //! `cargo run --release -p covey-env --example reference [WORLDS [SEED]]`
 
-use covey_env::baselines::{Centroid, Follower, Greedy, Hover, Planner, Random, RememberingPlanner};
+use covey_env::baselines::{Centroid, Follower, Greedy, Hover, Planner, Random, RelayingPlanner, RememberingPlanner};
 use covey_env::oracles::cover::best_sites;
 use covey_env::oracles::{FlyToSites, evaluate_parked};
 use covey_env::{EpisodeMetrics, Evaluation, PoiDistribution, Scenario, ScenarioError, World, evaluate, policy_seed};
+use firmware_core::memory::MAX_KNOWLEDGE;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut args = std::env::args().skip(1);
@@ -23,6 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         show(distribution, "follower", || evaluate(&scenario, seed, worlds, |i| Follower::new(policy_seed(seed, i))))?;
         show(distribution, "planner", || evaluate(&scenario, seed, worlds, |_| Planner::new()))?;
         show(distribution, "remembering", || evaluate(&scenario, seed, worlds, |_| RememberingPlanner::new()))?;
+        show(distribution, "relaying", || evaluate(&scenario, seed, worlds, |_| RelayingPlanner::new(MAX_KNOWLEDGE)))?;
         show(distribution, "oracle", || evaluate(&scenario, seed, worlds, |_| FlyToSites::new()))?;
         show(distribution, "parked", || evaluate_parked(&scenario, seed, worlds))?;
         prove(&scenario, seed, worlds)?;

@@ -1,9 +1,10 @@
 //! Baselines and oracles against the scenario's reference figures, on fewer worlds.
 //! The full check is the example `reference`.
 
-use covey_env::baselines::{Centroid, Follower, Greedy, Hover, Planner, Random, RememberingPlanner};
+use covey_env::baselines::{Centroid, Follower, Greedy, Hover, Planner, Random, RelayingPlanner, RememberingPlanner};
 use covey_env::oracles::{FlyToSites, evaluate_parked};
 use covey_env::{Evaluation, PoiDistribution, Scenario, evaluate, policy_seed};
+use firmware_core::memory::MAX_KNOWLEDGE;
 
 const WORLDS: u64 = 40;
 const SEED: u64 = 777;
@@ -89,6 +90,23 @@ fn planners() {
         let e = evaluate(&scenario(distribution), SEED, WORLDS / 4, |_| RememberingPlanner::new()).unwrap();
         assert_coverage(&e, remembering);
     }
+}
+
+#[test]
+fn relayed_knowledge_is_worth_its_bytes() {
+    let relaying = |distribution, bytes| {
+        evaluate(&scenario(distribution), SEED, WORLDS / 4, |_| RelayingPlanner::new(bytes)).unwrap()
+    };
+    for (distribution, coverage, reward) in
+        [(PoiDistribution::Clustered, 0.672, 685.0), (PoiDistribution::Uniform, 0.456, 476.0)]
+    {
+        let full = relaying(distribution, MAX_KNOWLEDGE);
+        assert_coverage(&full, coverage);
+        assert_reward(&full, reward);
+    }
+    // In the same worlds; with a budget of 0 UAVs tell where they are and go, no more.
+    let means = [0, MAX_KNOWLEDGE].map(|bytes| relaying(PoiDistribution::Clustered, bytes).mean());
+    assert!(means[0].coverage < means[1].coverage - 0.01, "{means:?}");
 }
 
 #[test]

@@ -1,9 +1,10 @@
 //! What trained policies are compared with.
 
 use clap::ValueEnum;
-use covey_env::baselines::{Centroid, Follower, Greedy, Hover, Planner, Random, RememberingPlanner};
+use covey_env::baselines::{Centroid, Follower, Greedy, Hover, Planner, Random, RelayingPlanner, RememberingPlanner};
 use covey_env::oracles::FlyToSites;
 use covey_env::{Policy, policy_seed};
+use firmware_core::memory::MAX_KNOWLEDGE;
 
 /// Hand-written policies and oracles, as `--policy` names them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -22,6 +23,8 @@ pub enum ReferencePolicy {
     Planner,
     /// The same with memory, told from UAV to UAV.
     Remembering,
+    /// The same with the memory of the board, in 200 bytes a UAV and step.
+    Relaying,
     /// Flies to the best static sites, all PoIs known (central).
     Oracle,
     /// Starts at the best static sites (central).
@@ -40,6 +43,7 @@ impl ReferencePolicy {
             Self::Follower => "follower",
             Self::Planner => "planner",
             Self::Remembering => "remembering",
+            Self::Relaying => "relaying",
             Self::Oracle => "oracle",
             Self::Parked => "parked",
         }
@@ -55,6 +59,7 @@ impl ReferencePolicy {
             Self::Follower => Box::new(Follower::new(policy_seed(seed, index))),
             Self::Planner => Box::new(Planner::new()),
             Self::Remembering => Box::new(RememberingPlanner::new()),
+            Self::Relaying => Box::new(RelayingPlanner::new(MAX_KNOWLEDGE)),
             Self::Oracle => Box::new(FlyToSites::new()),
         }
     }

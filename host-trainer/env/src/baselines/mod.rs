@@ -9,5 +9,5 @@ mod simple;
 pub use centroid::Centroid;
 pub use follower::{Follower, recommended_action};
 pub use greedy::Greedy;
-pub use planner::{Planner, RememberingPlanner};
+pub use planner::{Planner, RelayingPlanner, RememberingPlanner};
 pub use simple::{Hover, Random};

@@ -114,7 +114,9 @@ impl Belief {
         claims.clear();
         for (id, &PeerState { step, at, target }) in self.peers.iter().enumerate() {
             if id != self.id && step != NEVER {
-                claims.push(Claim { id, at, target, age: f64::from(now - step), yields: false });
+                let age = f64::from(now - step);
+                let flight = (distance(at, target) / f64::from(SPEED_CAP_U) - age).max(0.0);
+                claims.push(Claim { id, flight, target, age, yields: false });
             }
         }
     }

@@ -22,11 +22,11 @@ pub(super) struct KnownPoi {
 pub(super) struct Claim {
     /// The other UAV.
     pub id: usize,
-    /// Its position, u.
-    pub at: (f64, f64),
+    /// Steps until it arrives at its target.
+    pub flight: f64,
     /// Where it flies, u.
     pub target: (f64, f64),
-    /// Steps since position and target were so.
+    /// Steps since it said so.
     pub age: f64,
     /// Whether the other UAV has the lower priority.
     pub yields: bool,

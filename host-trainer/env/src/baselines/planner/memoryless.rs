@@ -52,13 +52,13 @@ impl Planner {
             let j = usize::from(j);
             let position = widened(world.position(j));
             // Of two UAVs the one with the higher id yields.
-            self.claims.push(Claim { id: j, at: position, target: position, age: 0.0, yields: i < j });
+            self.claims.push(Claim { id: j, flight: 0.0, target: position, age: 0.0, yields: i < j });
         }
         // In the order of ids, so that sums do not depend on how the world lists neighbours.
         self.claims.sort_unstable_by_key(|c| c.id);
         self.pois.clear();
         self.listed.resize(world.scenario().pois, false);
-        let observers = || std::iter::once(at).chain(self.claims.iter().map(|c| c.at));
+        let observers = || std::iter::once(at).chain(self.claims.iter().map(|c| c.target));
         for (x, y) in observers() {
             for p in world.pois_within(x as f32, y as f32, OBSERVATION_RANGE_U as f32) {
                 if !std::mem::replace(&mut self.listed[p], true) {

@@ -9,6 +9,9 @@ pub(super) const CELL_U: f64 = 5.0;
 /// Standard deviation of the Gaussian kernel by which known PoIs make further ones likely, u.
 const KERNEL_U: f64 = 22.0;
 
+/// Places along an axis for which the kernel is at hand, 1/u.
+const AXIS_PER_U: f64 = 4.0;
+
 /// A grid of cells over the map and the expected PoIs of each; the same during a whole episode.
 #[derive(Clone, Debug)]
 pub(super) struct PriorMap {
@@ -20,6 +23,8 @@ pub(super) struct PriorMap {
     marginal: Vec<f64>,
     /// For each PoI the kernel's factor of each column, then of each row: their product is the kernel at a cell.
     kernel: Vec<f64>,
+    /// The kernel's factor of each column (or row) for each quarter of a unit.
+    axis_kernel: Vec<f64>,
 }
 
 impl PriorMap {
@@ -39,7 +44,13 @@ impl PriorMap {
                 kernel.extend((0..cells).map(|c| libm::exp(-(centre(c) - axis).powi(2) / (2.0 * KERNEL_U * KERNEL_U))));
             }
         }
-        Self { side_u, cells, distribution: s.distribution, pois: s.pois as f64, marginal, kernel }
+        let mut axis_kernel = Vec::with_capacity((side_u * AXIS_PER_U) as usize * cells);
+        for k in 0..((side_u * AXIS_PER_U) as usize).max(1) {
+            let axis = (k as f64 + 0.5) / AXIS_PER_U;
+            axis_kernel
+                .extend((0..cells).map(|c| libm::exp(-(centre(c) - axis).powi(2) / (2.0 * KERNEL_U * KERNEL_U))));
+        }
+        Self { axis_kernel, side_u, cells, distribution: s.distribution, pois: s.pois as f64, marginal, kernel }
     }
 
     /// Side of the map, u.
@@ -77,6 +88,16 @@ impl PriorMap {
     pub(super) fn kernel(&self, poi: usize, (a, b): (usize, usize)) -> f64 {
         let first = 2 * poi * self.cells;
         self.kernel[first + a] * self.kernel[first + self.cells + b]
+    }
+
+    /// Adds the kernel of a PoI at `at` (u), to a quarter of a unit, to the cells `rows` of column `a`.
+    pub(super) fn add_kernel_at(&self, at: (f64, f64), a: usize, rows: std::ops::Range<usize>, sum: &mut [f64]) {
+        let of = |axis: f64| {
+            &self.axis_kernel[((axis * AXIS_PER_U) as usize * self.cells).min(self.axis_kernel.len() - self.cells)..]
+        };
+        let of_column = of(at.0)[a];
+        let of_rows = &of(at.1)[rows];
+        sum.iter_mut().zip(of_rows).for_each(|(sum, of_row)| *sum += of_column * of_row);
     }
 
     /// Adds a PoI's kernel to the cells `rows` of column `a`.

@@ -98,7 +98,7 @@ impl Policy for RememberingPlanner {
 }
 
 /// A UAV's pseudo-random priority of a step, which every UAV can compute for every other.
-fn priority(id: usize, step: u32) -> u64 {
+pub(super) fn priority(id: usize, step: u32) -> u64 {
     // The finaliser of SplitMix64.
     let mut z = (id as u64 ^ (u64::from(step) << 32)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -30,9 +30,8 @@ pub(super) struct ValueSource {
 
 /// Steps of coverage that a claim secures, weighted by its age and its UAV's priority.
 pub(super) fn secured_steps(claim: &Claim, inputs: &PlannerInputs<'_>, weights: &Weights) -> f64 {
-    let flight = (distance(claim.at, claim.target) / SPEED - claim.age).max(0.0);
     let priority = if claim.yields { weights.yielding_claim } else { 1.0 };
-    priority * libm::exp(-claim.age / CLAIM_DECAY_STEPS) * (inputs.horizon - flight).max(0.0)
+    priority * libm::exp(-claim.age / CLAIM_DECAY_STEPS) * (inputs.horizon - claim.flight).max(0.0)
 }
 
 /// Most steps that a claim secures at a position; `claims` are their secured steps and targets, and they reach `range`.
