@@ -112,21 +112,24 @@ fn actors_and_missions_that_cannot_fly() {
 fn a_stopped_node_says_what_the_vehicle_does() {
     let folder = tempfile::tempdir().unwrap();
     let mission = mission(folder.path());
-    let mut node = bridge()
-        .args(["fly", "--id", "3", "--mission", &mission, "--autopilot", "udpin:127.0.0.1:0"])
-        .stdin(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut stderr = BufReader::new(node.stderr.take().unwrap());
-    let mut lines = String::new();
-    while !lines.contains("flying alone") {
-        assert!(stderr.read_line(&mut lines).unwrap() > 0, "it ended: {lines}");
+    use rustix::process::Signal;
+    for signal in [Signal::INT, Signal::TERM, Signal::HUP] {
+        let mut node = bridge()
+            .args(["fly", "--id", "3", "--mission", &mission, "--autopilot", "udpin:127.0.0.1:0"])
+            .stdin(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut stderr = BufReader::new(node.stderr.take().unwrap());
+        let mut lines = String::new();
+        while !lines.contains("flying alone") {
+            assert!(stderr.read_line(&mut lines).unwrap() > 0, "it ended: {lines}");
+        }
+        assert!(lines.contains("listening on udp 127.0.0.1:"), "{lines}");
+        let pid = rustix::process::Pid::from_child(&node);
+        rustix::process::kill_process(pid, signal).unwrap();
+        stderr.read_to_string(&mut lines).unwrap();
+        assert!(node.wait().unwrap().success(), "{lines}");
+        assert!(lines.contains("stopped: nothing was in the air"), "{lines}");
     }
-    assert!(lines.contains("listening on udp 127.0.0.1:"), "{lines}");
-    let pid = rustix::process::Pid::from_child(&node);
-    rustix::process::kill_process(pid, rustix::process::Signal::TERM).unwrap();
-    stderr.read_to_string(&mut lines).unwrap();
-    assert!(node.wait().unwrap().success(), "{lines}");
-    assert!(lines.contains("stopped: nothing was in the air"), "{lines}");
 }

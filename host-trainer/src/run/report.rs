@@ -13,7 +13,8 @@ use covey_report::report::{
 use covey_report::{atomic, metrics};
 use firmware_core::geometry::{COMMUNICATION_RANGE_U, COVERAGE_RANGE_U, OBSERVATION_RANGE_U};
 use miette::{IntoDiagnostic, Result, miette};
-use std::path::PathBuf;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
 
 /// Points of a curve before it is averaged over stretches.
 const BINS: usize = 200;
@@ -86,18 +87,23 @@ struct Data {
 
 impl Data {
     fn read(folder: &RunFolder) -> Result<Self> {
-        let evaluation = match std::fs::read(folder.evaluation()) {
-            Ok(bytes) => Some(
-                serde_json::from_slice(&bytes)
-                    .map_err(|e| miette!("{} cannot be read: {e}", folder.evaluation().display()))?,
-            ),
-            Err(_) => None, // Training has not finished yet.
-        };
+        let unreadable = |e| miette!("{} cannot be read: {e}", folder.evaluation().display());
+        let evaluation = written(&folder.evaluation())?;
+        let evaluation = evaluation.map(|bytes| serde_json::from_slice(&bytes).map_err(unreadable)).transpose()?;
         Ok(Self {
             settings: folder.settings().into_diagnostic()?,
             rows: metrics::read(folder.metrics()).into_diagnostic()?,
             evaluation,
         })
+    }
+}
+
+/// What is in a file that is written when training has finished; none before.
+fn written(file: &Path) -> Result<Option<Vec<u8>>> {
+    match std::fs::read(file) {
+        Ok(bytes) => Ok(Some(bytes)),
+        Err(e) if e.kind() == ErrorKind::NotFound => Ok(None),
+        Err(e) => Err(miette!("cannot read {}: {e}", file.display())),
     }
 }
 
@@ -209,8 +215,8 @@ fn configuration(s: &Settings) -> Vec<Group> {
 
 /// The first held-out world, flown by the run's actor file, if there is one.
 fn episode(folder: &RunFolder, s: &Settings) -> Result<Option<Episode>> {
-    let Ok(bytes) = std::fs::read(folder.actor()) else { return Ok(None) };
-    let actor = AnyActor::load_tested(&bytes).map_err(|e| miette!("{e}"))?;
+    let Some(bytes) = written(&folder.actor())? else { return Ok(None) };
+    let actor = AnyActor::load_tested(&bytes).map_err(|e| miette!("{} cannot fly: {e}", folder.actor().display()))?;
     let t = EvalConfig::held_out(s);
     let seed = policy_seed(t.seed, 0);
     let trace = with_actor!(actor, actor => {

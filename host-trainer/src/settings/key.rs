@@ -68,6 +68,11 @@ impl Bounds {
         }
     }
 
+    /// Whether it is a whole number.
+    pub(super) fn is_whole(&self) -> bool {
+        self.kind == "integer"
+    }
+
     /// Whether a value is of this type, whatever its size.
     pub(super) fn fits(&self, value: &toml::Value) -> bool {
         match self.kind.as_str() {

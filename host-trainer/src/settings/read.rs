@@ -4,8 +4,10 @@ use super::error::SettingsError;
 use super::key::{Key, keys};
 use super::renamed::{Renamed, current_name, renamed};
 use super::table::Settings;
+use serde::Deserialize as _;
 use std::collections::BTreeMap;
 use std::path::Path;
+use toml::de::{DeTable, DeValue, Deserializer};
 use toml::{Table, Value};
 
 impl Settings {
@@ -15,8 +17,7 @@ impl Settings {
     /// # Errors
     /// See [`SettingsError`]; `path` is named in them. The settings are then as before.
     pub fn merge(&mut self, text: &str, path: &str) -> Result<Vec<Renamed>, SettingsError> {
-        let table: Table = text
-            .parse()
+        let table = parse(text)
             .map_err(|e: toml::de::Error| SettingsError::Syntax { path: path.to_owned(), message: e.to_string() })?;
         self.apply(table).map_err(|e| SettingsError::In { path: path.to_owned(), error: Box::new(e) })
     }
@@ -40,7 +41,7 @@ impl Settings {
     pub fn set(&mut self, assignment: &str) -> Result<Option<Renamed>, SettingsError> {
         let (key, value) = assignment.split_once('=').ok_or_else(|| SettingsError::NoValue(assignment.to_owned()))?;
         let (key, value) = (key.trim(), value.trim());
-        let parsed = format!("v = {value}").parse::<Table>().ok().and_then(|mut t| t.remove("v"));
+        let parsed = parse(&format!("v = {value}")).ok().and_then(|mut t| t.remove("v"));
         let value = parsed.unwrap_or_else(|| Value::String(value.to_owned()));
         Ok(self.apply(Table::from_iter([(key.to_owned(), value)]))?.pop())
     }
@@ -57,22 +58,22 @@ impl Settings {
                 old_names.push(found);
             }
             let key = find(current_name(key))?;
-            // TOML knows no whole number above i64::MAX, which therefore comes as a string.
-            let long = value.as_str().and_then(|text| text.parse::<u64>().ok());
-            if let Some(number) = long.filter(|&n| {
-                n > i64::MAX as u64 && key.bounds.fits(&Value::Integer(0)) && !key.bounds.fits(&Value::Float(0.0))
-            }) {
-                return Err(key.out_of_range(&number.into()));
+            // A whole number above i64::MAX comes as a string.
+            if let Some(number) =
+                value.as_str().and_then(|text| text.parse::<u64>().ok()).filter(|_| key.bounds.is_whole())
+            {
+                given.insert(&key.name, number.into());
+                continue;
             }
             if !key.bounds.fits(value) {
                 let (wanted, found) = (key.bounds.wanted(), value.to_string());
                 return Err(SettingsError::Type { key: &key.name, wanted, found });
             }
-            given.insert(&key.name, value.clone());
+            given.insert(&key.name, serde_json::to_value(value).unwrap_or_default());
         }
         let mut values = self.values();
         for (name, value) in given {
-            values[name] = serde_json::to_value(value).unwrap_or_default();
+            values[name] = value;
         }
         let mut changed: Self =
             serde_path_to_error::deserialize(&values).map_err(|e| out_of_range(&e.path().to_string(), &values))?;
@@ -113,10 +114,27 @@ impl Settings {
     /// The settings that a TOML text names neither by today's name nor by an old one.
     #[must_use]
     pub fn unnamed(text: &str) -> Vec<&'static str> {
-        let table: Table = text.parse().unwrap_or_default();
+        let table = parse(text).unwrap_or_default();
         let named: Vec<&str> = table.keys().map(|key| current_name(key)).collect();
         keys().iter().map(|key| key.name.as_str()).filter(|name| !named.contains(name)).collect()
     }
+}
+
+/// Parses TOML. Its whole numbers end at i64::MAX and seeds do not: a longer one comes as a string of its digits.
+fn parse(text: &str) -> Result<Table, toml::de::Error> {
+    let mut document = DeTable::parse(text)?;
+    let mut long = Vec::new();
+    for (key, value) in document.get_mut().iter_mut() {
+        let DeValue::Integer(number) = value.get_ref() else { continue };
+        let number = u64::from_str_radix(number.as_str(), number.radix());
+        if let Some(number) = number.ok().filter(|&n| i64::try_from(n).is_err()) {
+            long.push((key.get_ref().to_string(), Value::String(number.to_string())));
+            *value.get_mut() = DeValue::Boolean(false);
+        }
+    }
+    let mut table = Table::deserialize(Deserializer::from(document))?;
+    table.extend(long);
+    Ok(table)
 }
 
 fn find(name: &str) -> Result<&'static Key, SettingsError> {
@@ -140,13 +158,26 @@ mod tests {
 
     #[test]
     fn written_settings_read_back() {
-        let mut a =
-            Settings { graph: Aggregation::Gat, learning_rate: 3e-7, seed: i64::MAX as u64, ..Settings::default() };
+        let mut a = Settings { graph: Aggregation::Gat, learning_rate: 3e-7, seed: u64::MAX, ..Settings::default() };
         a.set("poi_distribution=uniform").unwrap();
         let mut b = Settings::default();
         assert_eq!(b.merge(&a.to_toml(), "test").unwrap(), []);
         assert_eq!(a, b);
         assert!(Settings::unnamed(&a.to_toml()).is_empty());
+    }
+
+    #[test]
+    fn seeds_of_the_whole_range_are_read_however_they_are_given() {
+        for seed in [0, i64::MAX as u64, i64::MAX as u64 + 1, u64::MAX] {
+            let mut s = Settings::default();
+            s.set(&format!("seed={seed}")).unwrap();
+            s.merge(&format!("uavs = 3\neval_seed = {}", seed ^ 1), "f").unwrap();
+            assert_eq!((s.seed, s.eval_seed, s.uavs), (seed, seed ^ 1, 3));
+            assert_eq!(s.validate().map_err(|e| e.to_string()), Ok(()));
+            let mut read = Settings::default();
+            read.merge(&s.to_toml(), "f").unwrap();
+            assert_eq!(read, s);
+        }
     }
 
     #[test]
@@ -159,10 +190,8 @@ mod tests {
         assert!(say(s.set("uavs=many")).contains("wants a whole number"));
         assert!(say(s.set("uavs=0")).contains("must be 1 to 10000"));
         assert!(say(s.set("uavs=70000")).contains("`uavs` is 70000; it must be 1 to 10000"));
-        assert!(
-            say(s.set("seed=18446744073709551615"))
-                .contains("18446744073709551615; it must be 0 to 9223372036854775807")
-        );
+        assert!(say(s.set("seed=18446744073709551616")).contains("`seed` wants a whole number"));
+        assert!(say(s.set("seed=-1")).contains("must be at least 0"));
         assert!(say(s.set("uavs=-1")).contains("must be 1 to 10000"));
         assert!(say(s.set("huber=0")).contains("must be above 0"));
         assert!(say(s.set("gamma=nan")).contains("wants a number, not nan"));
@@ -180,8 +209,6 @@ mod tests {
         assert!(say(s.validate()).contains("set `cloning_weight` to 0"));
         s = Settings { clip: f64::NAN, ..Settings::default() };
         assert!(say(s.validate()).contains("`clip`"));
-        s = Settings { seed: i64::MAX as u64 + 1, ..Settings::default() };
-        assert!(say(s.validate()).contains("`seed` is 9223372036854775808"));
     }
 
     #[test]

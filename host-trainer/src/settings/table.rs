@@ -68,7 +68,6 @@ pub struct Settings {
     #[schemars(range(min = 0, max = 2), extend("x-unit" = "steps"))]
     pub radio_delay: u32,
     /// Seed of everything random in the run.
-    #[schemars(range(min = 0, max = i64::MAX))]
     pub seed: u64,
     /// Training episodes, at most: whole rounds of `num_envs`, at least one.
     #[schemars(range(min = 1, max = 100_000_000))]
@@ -155,7 +154,6 @@ pub struct Settings {
     #[schemars(range(min = 2, max = 100_000))]
     pub eval_worlds: u32,
     /// Seed of the held-out worlds.
-    #[schemars(range(min = 0, max = i64::MAX))]
     pub eval_seed: u64,
     /// Worlds flown to calibrate the quantisation.
     #[schemars(range(min = 1, max = 10_000))]

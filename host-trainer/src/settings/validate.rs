@@ -63,6 +63,8 @@ impl Settings {
 impl Key {
     /// What is said of a value out of bounds.
     pub(super) fn out_of_range(&'static self, found: &Value) -> SettingsError {
-        SettingsError::Range { key: &self.name, found: found.to_string(), allowed: self.bounds.to_string() }
+        // JSON knows no other name for them.
+        let found = if found.is_null() { "no finite number".to_owned() } else { found.to_string() };
+        SettingsError::Range { key: &self.name, found, allowed: self.bounds.to_string() }
     }
 }

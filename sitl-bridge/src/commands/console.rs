@@ -10,6 +10,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
 
+/// Exit status of a program that a signal has stopped.
+const INTERRUPTED: i32 = 130;
 /// Longest line that is read whole, bytes.
 const LONGEST_LINE: usize = 100;
 
@@ -87,11 +89,24 @@ pub(crate) fn stop_flag() -> Result<Arc<AtomicBool>> {
     let flag = Arc::clone(&stop);
     ctrlc::set_handler(move || {
         if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
+            std::process::exit(INTERRUPTED);
         }
     })
     .into_diagnostic()?;
     Ok(stop)
+}
+
+/// Has Ctrl-C, SIGTERM and SIGHUP end the process at once, with these words: for commands that fly nothing.
+///
+/// # Errors
+/// The system takes no signal handler.
+pub(super) fn end_on_signals(parting: String) -> Result<()> {
+    ctrlc::set_handler(move || {
+        outlet::say(&parting);
+        outlet::drain();
+        std::process::exit(INTERRUPTED);
+    })
+    .into_diagnostic()
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::actor_file::flight_ready;
 use super::args::{ActorArgs, TimingArgs};
+use super::console::end_on_signals;
 use super::mission;
 use super::output::print;
 use super::recorded::{Recorded, check_mission};
@@ -70,6 +71,7 @@ impl ReplayTlog {
     }
 
     fn replay(&self) -> Result<bool> {
+        end_on_signals(format!("stopped replaying {}; it is as it was", self.file.display()))?;
         let (bytes, name) = self.actor.read().into_diagnostic()?;
         let actor = flight_ready(&bytes, &name).into_diagnostic()?;
         let mission = Arc::new(mission::read(&self.mission)?);

@@ -4,16 +4,16 @@ use super::{load, refused};
 use sitl_bridge::mission::{Draft, Format, Given, Loaded};
 use std::path::Path;
 
-const PLAN: &str = r#"{"fileType": "Plan", "version": 1, "geoFence": {"polygons": [{"inclusion": true,
+pub(super) const PLAN: &str = r#"{"fileType": "Plan", "version": 1, "geoFence": {"polygons": [{"inclusion": true,
     "polygon": [[47.3995, 8.4995], [47.3995, 8.508], [47.406, 8.508], [47.406, 8.4995]]}], "circles": []},
     "mission": {"plannedHomePosition": [47.4, 8.5, 412.0], "items": [
     {"type": "SimpleItem", "command": 22, "params": [0, 0, 0, null, 47.4, 8.5, 30]},
     {"type": "SimpleItem", "command": 16, "params": [0, 0, 0, null, 47.401, 8.501, 30]}]},
     "rallyPoints": {"points": [[47.4, 8.5, 20]]}}"#;
-const KML: &str = "<?xml version=\"1.0\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark><name>Barn</name>\
+pub(super) const KML: &str = "<?xml version=\"1.0\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark><name>Barn</name>\
     <Point><coordinates>8.501,47.401,0</coordinates></Point></Placemark></Document></kml>";
-const CSV: &str = "name;Latitude;Longitude\nBarn;47.401;8.501\nMill;47.402;8.502\n";
-const LIST: &str =
+pub(super) const CSV: &str = "name;Latitude;Longitude\nBarn;47.401;8.501\nMill;47.402;8.502\n";
+pub(super) const LIST: &str =
     "QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t47.4\t8.5\t412\t1\n1\t0\t3\t16\t0\t0\t0\t0\t47.401\t8.501\t30\t1\n";
 
 fn filled(name: &str, text: &str, given: &Given) -> Loaded {

@@ -1,5 +1,7 @@
 //! Files as users have them: missions of many tools and makes, recordings whole and broken, and any bytes at all.
 
+mod abuse;
+mod cases;
 mod convert;
 mod formats;
 mod fuzz;

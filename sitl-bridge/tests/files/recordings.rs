@@ -31,7 +31,7 @@ use std::sync::{Arc, Mutex};
 use vehicle::{TICK_MS, Vehicle};
 
 const START_US: u64 = 1_790_000_000_000_000;
-const ACTOR: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../firmware-core/tests/data/sample-gcn.actor");
+pub(super) const ACTOR: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../firmware-core/tests/data/sample-gcn.actor");
 const ID: u16 = 3;
 
 fn settings<'a>(actor: Actor<'a>, mission: &Mission, record: bool) -> Settings<'a> {
@@ -209,6 +209,11 @@ fn flight(notes: bool, fly: impl FnOnce(&mut Recorded)) -> (Vec<u8>, u64) {
     drop(recorded);
     let bytes = memory.0.lock().unwrap().clone();
     (bytes, decisions)
+}
+
+/// A recording of a flight with decisions, and the mission that it flew.
+pub(super) fn a_flight() -> (Vec<u8>, String) {
+    (flight(true, |f| (0..200).for_each(|_| f.tick(true))).0, mission().to_toml(""))
 }
 
 #[test]

@@ -44,7 +44,7 @@ pub fn plan(args: &ExperimentPaper) -> Result<Vec<Settings>> {
 /// `10-14` or `1,2,5`, also mixed.
 fn seeds(text: &str) -> Result<Vec<u64>> {
     let wrong = || miette!("--seeds {text}: write 10-14 or 1,2,5");
-    let number = |t: &str| t.trim().parse::<u64>().ok().filter(|&s| i64::try_from(s).is_ok()).ok_or_else(wrong);
+    let number = |t: &str| t.trim().parse::<u64>().map_err(|_| wrong());
     let mut found = Vec::new();
     for part in text.split(',') {
         match part.split_once('-') {

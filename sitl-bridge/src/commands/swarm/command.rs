@@ -41,7 +41,8 @@ impl Swarm {
         let (bytes, name) = self.shared.actor.read().into_diagnostic()?;
         let actor = flight_ready(&bytes, &name).into_diagnostic()?;
         if let Some(folder) = &mut self.shared.tlog {
-            let fresh = flight_folder(folder).into_diagnostic().wrap_err("the recordings have no folder")?;
+            let unmade = || format!("no folder can be made for the recordings at {}", folder.display());
+            let fresh = flight_folder(folder).into_diagnostic().wrap_err_with(unmade)?;
             if fresh != *folder {
                 say(&format!(
                     "{} has recordings, which are kept: those of this flight go to {}",
