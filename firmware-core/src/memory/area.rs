@@ -68,7 +68,7 @@ impl ExploredArea {
         let axis = |t: i32| {
             let most = (i32::from(self.side) - WINDOW as i32).max(0);
             // Whole blocks, so that a block is never half in the window.
-            let first = (t / CELL - WINDOW as i32 / 2).clamp(0, most);
+            let first = (t / CELL - WINDOW as i32 / 2).min(most).max(0);
             (first - first % BLOCK as i32) as u16
         };
         let [old_x, old_y] = core::mem::replace(&mut self.first, [axis(own.x), axis(own.y)]);

@@ -104,8 +104,8 @@ impl Memory {
         self.step = Some(step);
         self.own = own;
         // A UAV beyond the edge looks at what the map has there.
-        let most = 2 * self.half_side - 1;
-        let inside = Vec2 { x: own.x.clamp(0, most), y: own.y.clamp(0, most) };
+        let most = self.most();
+        let inside = on_map(own, most);
         self.area.move_to(inside, self.half_side);
         self.area.look(inside);
         const VIEW: i32 = OBSERVATION_RANGE_U * TICKS_PER_U;
@@ -174,9 +174,8 @@ impl Memory {
     /// The last word counts.
     pub fn hear_target(&mut self, id: u16, target: Vec2, arrival: u8) {
         if id != self.id {
-            let most = 2 * self.half_side - 1;
-            let target = Vec2 { x: target.x.clamp(0, most), y: target.y.clamp(0, most) };
-            self.reports.insert(Report::new(id, GridPoint::of(target), arrival.min(MAX_ARRIVAL), 0), self.own);
+            let target = GridPoint::of(on_map(target, self.most()));
+            self.reports.insert(Report::new(id, target, arrival.min(MAX_ARRIVAL), 0), self.own);
         }
     }
 
@@ -213,9 +212,21 @@ impl Memory {
         self.area.is_explored(at)
     }
 
+    /// The map's greatest coordinate, ticks.
+    const fn most(&self) -> i32 {
+        2 * self.half_side - 1
+    }
+
     fn frame(&self, sender: GridPoint) -> Frame {
         Frame { sender, side: (2 * self.half_side).unsigned_abs().div_ceil(GRID.unsigned_abs()) }
     }
+}
+
+/// The nearest position on the map, whose greatest coordinate is `most`.
+fn on_map(p: Vec2, most: i32) -> Vec2 {
+    // `clamp` would have a panic branch, as nothing says here that `most` is above 0.
+    let axis = |t: i32| t.min(most).max(0);
+    Vec2 { x: axis(p.x), y: axis(p.y) }
 }
 
 /// Whether a position lies on the map, whose greatest coordinate is `most`.
