@@ -1,6 +1,6 @@
 //! What is printed, where `println!` would panic.
 //!
-//! [`print`] writes results: a reader that has gone ends the task without a word, as it ends other programs; an output
+//! [`print()`] writes results: a reader that has gone ends the task without a word, as it ends other programs; an output
 //! that is full is an error in words. [`show!`] and [`tell!`] write what only accompanies the work, on standard output
 //! and on the error output: whether somebody can read it changes nothing.
 

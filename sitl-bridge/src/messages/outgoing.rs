@@ -32,6 +32,12 @@ pub struct CommandLong {
 }
 
 impl CommandLong {
+    /// The message that it asks for at a rate, if it does.
+    #[must_use]
+    pub fn requested_message(&self) -> Option<u32> {
+        (self.command == super::mav_cmd::SET_MESSAGE_INTERVAL).then_some(self.params[0] as u32)
+    }
+
     /// The payload for this (system, component).
     #[must_use]
     pub fn payload(&self, target: (u8, u8)) -> Payload {

@@ -41,6 +41,8 @@ pub struct RecordingInfo {
     pub vehicle: u8,
     /// Whether the node brought its vehicle into flight.
     pub took_off: bool,
+    /// Messages that the node requested: those of earlier versions asked for fewer.
+    pub requested: BTreeSet<u32>,
     /// Frames in the log.
     pub records: u64,
     /// Bytes that belong to no record.
@@ -65,6 +67,7 @@ impl RecordingInfo {
         let mut vehicles = BTreeMap::new();
         let (mut records, mut bytes) = (0, 0);
         let mut brought_up = BTreeSet::new();
+        let mut requested: BTreeMap<u8, BTreeSet<u32>> = BTreeMap::new();
         let mut notes: BTreeMap<u8, Notes> = BTreeMap::new();
         let mut times = Times::default();
         for record in &mut *log {
@@ -83,9 +86,11 @@ impl RecordingInfo {
                         SetPositionTargetLocalNed::target_system(frame.payload())
                     }
                     id::COMMAND_LONG => {
-                        if BRING_UP.contains(&CommandLong::read(frame.payload()).command) {
+                        let command = CommandLong::read(frame.payload());
+                        if BRING_UP.contains(&command.command) {
                             brought_up.insert(frame.system());
                         }
+                        requested.entry(frame.system()).or_default().extend(command.requested_message());
                         CommandLong::target_system(frame.payload())
                     }
                     _ => continue,
@@ -127,7 +132,8 @@ impl RecordingInfo {
         let took_off = noted.map_or_else(|| brought_up.contains(&system), |noted| noted != 0);
         let vehicle = vehicles.get(&system).copied().unwrap_or(system);
         let (skipped, cut) = (log.skipped(), log.is_cut());
-        Ok(Self { id, system, vehicle, took_off, records, skipped, cut, flight, epoch_ms })
+        let requested = requested.remove(&system).unwrap_or_default();
+        Ok(Self { id, system, vehicle, took_off, requested, records, skipped, cut, flight, epoch_ms })
     }
 
     /// What a frame was to the node. A neighbour message that an autopilot had passed on looks

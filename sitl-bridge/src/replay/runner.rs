@@ -2,9 +2,15 @@
 
 use super::check::{ReplayCheck, ReplayReport};
 use super::recording_info::{RecordingInfo, Role};
+use crate::frame::{Encoder, Frame};
+use crate::messages::{CommandLong, id, mav_cmd};
 use crate::node::{HostTime, Node, NodeOutput};
 use crate::tlog::{Note, NoteReader, Record};
 
+/// The autopilot's component.
+const AUTOPILOT: u8 = 1;
+/// MAV_RESULT_ACCEPTED.
+const ACCEPTED: u8 = 0;
 /// Longest time between two turns of the node, µs: in flight it waits no longer for a datagram.
 const TURN_US: u64 = 20_000;
 /// A longer gap is a host's clock that was set, not time that passed, µs.
@@ -18,6 +24,8 @@ pub struct Replay<'a> {
     check: ReplayCheck,
     out: NodeOutput,
     notes: NoteReader,
+    /// Answers for the autopilot where the recording has none.
+    autopilot: Encoder,
     /// Time of the last record, and time that passed since the first, µs.
     time_us: Option<(u64, u64)>,
 }
@@ -26,8 +34,8 @@ impl<'a> Replay<'a> {
     /// `node` has the settings of the flight and has heard nothing yet.
     #[must_use]
     pub fn new(node: Node<'a>, info: RecordingInfo, check: ReplayCheck) -> Self {
-        let notes = NoteReader::default();
-        Self { node, info, check, out: NodeOutput::default(), notes, time_us: None }
+        let (notes, autopilot) = (NoteReader::default(), Encoder::new(info.vehicle, AUTOPILOT));
+        Self { node, info, check, out: NodeOutput::default(), notes, autopilot, time_us: None }
     }
 
     /// Feeds the next record.
@@ -98,6 +106,28 @@ impl<'a> Replay<'a> {
         }
         self.out.to_swarm.iter().for_each(|frame| self.check.rebroadcast(frame));
         self.out.to_autopilot.iter().for_each(|frame| self.check.replayed_setpoint(frame));
+        let unasked = self.out.to_autopilot.iter().filter(|frame| self.was_never_asked(frame)).count();
         self.out.clear();
+        for _ in 0..unasked {
+            self.accept_request();
+        }
+    }
+
+    /// Whether this asks for a message that the recorded node, of an earlier version, did not ask for: nobody answered
+    /// it.
+    fn was_never_asked(&self, frame: &Frame) -> bool {
+        let asked = &self.info.requested;
+        !asked.is_empty()
+            && frame.message_id() == id::COMMAND_LONG
+            && CommandLong::read(frame.payload()).requested_message().is_some_and(|message| !asked.contains(&message))
+    }
+
+    /// Answers a request as the autopilot would have, so that nothing waits for it.
+    fn accept_request(&mut self) {
+        let payload = [&mav_cmd::SET_MESSAGE_INTERVAL.to_le_bytes()[..], &[ACCEPTED]].concat();
+        if let (Some(now), Ok(ack)) = (self.now(), self.autopilot.encode_payload(id::COMMAND_ACK, &payload)) {
+            self.node.receive_autopilot(ack.bytes(), now, &mut self.out);
+            self.collect();
+        }
     }
 }
