@@ -60,9 +60,9 @@ impl<'a> Aggregator<'a> {
             Feature { own: [0; MAX_FEATURE], values: [0; MAX_FEATURE], attention_destination: 0, attention_source: 0 };
         int8(h, &mut feature.own);
         match self {
-            Self::None | Self::Gcn { .. } | Self::Sage { .. } => int8(h, &mut feature.values),
+            Self::None | Self::Gcn { .. } | Self::Sage { .. } => feature.values = feature.own,
             Self::Gat { attention, .. } => {
-                int8(h, &mut feature.values);
+                feature.values = feature.own;
                 let mut halves = [0i16; 2];
                 attention.apply_wide(&h.0, &mut halves);
                 [feature.attention_destination, feature.attention_source] = halves;
