@@ -1,6 +1,7 @@
 //! What a UAV makes of its neighbours' features (paper, equations 5 to 7), in
 //! integers. Weights are Q15; with at most 16 neighbours and the UAV itself a sum
-//! stays below 17·2¹⁵·2⁷ < 2²⁷.
+//! stays below 17·2¹⁵·2⁷ < 2²⁷. Sums are added in place, to the caller's zeros: a board's stack
+//! has room for one array of them.
 
 use super::feature::{Feature, MAX_DEGREE, MAX_FEATURE, NeighbourFeature};
 use super::layer::Row;
@@ -22,26 +23,22 @@ fn add(sums: &mut [i32; MAX_FEATURE], values: &[i8], weight: i32) {
 }
 
 /// GCN: `Σ_j h_j/√(d_i·d_j)` over the neighbours and the UAV itself, Q15.
-pub(super) fn gcn(own: &Feature, degree: u8, neighbours: &[NeighbourFeature<'_>]) -> [i32; MAX_FEATURE] {
-    let mut sums = [0; MAX_FEATURE];
+pub(super) fn gcn(sums: &mut [i32; MAX_FEATURE], own: &Feature, degree: u8, neighbours: &[NeighbourFeature<'_>]) {
     let root = inverse_root(degree);
     let edge = |d: u8| (root * inverse_root(d) + (1 << 14)) >> 15;
-    add(&mut sums, &own.values, edge(degree));
+    add(sums, &own.values, edge(degree));
     for n in neighbours {
-        add(&mut sums, n.values, edge(n.degree));
+        add(sums, n.values, edge(n.degree));
     }
-    sums
 }
 
 /// `GraphSAGE`: the mean of the neighbours' `h`, Q15; zeros when there are none.
-pub(super) fn mean(neighbours: &[NeighbourFeature<'_>]) -> [i32; MAX_FEATURE] {
-    let mut sums = [0; MAX_FEATURE];
+pub(super) fn mean(sums: &mut [i32; MAX_FEATURE], neighbours: &[NeighbourFeature<'_>]) {
     let count = neighbours.len().clamp(1, usize::from(MAX_DEGREE)) as i32;
     let share = ((1 << 15) + count / 2) / count;
     for n in neighbours {
-        add(&mut sums, n.values, share);
+        add(sums, n.values, share);
     }
-    sums
 }
 
 /// `LeakyReLU` with slope 0.2 (6554/2¹⁵).
@@ -51,9 +48,9 @@ fn leaky(score: i32) -> i32 {
 
 /// GAT: `Σ_j α_ij·h_j` with `α` the softmax of `LeakyReLU(s_i + t_j)` over the
 /// neighbours and the UAV itself, Q15.
-pub(super) fn gat(own: &Feature, neighbours: &[NeighbourFeature<'_>]) -> [i32; MAX_FEATURE] {
+pub(super) fn gat(sums: &mut [i32; MAX_FEATURE], own: &Feature, neighbours: &[NeighbourFeature<'_>]) {
     let score = |attention_source: i16| leaky(i32::from(own.attention_destination) + i32::from(attention_source));
-    attend(own, score(own.attention_source), neighbours, |n| score(n.attention_source))
+    attend(sums, own, score(own.attention_source), neighbours, |n| score(n.attention_source))
 }
 
 /// GATv2: greatest magnitude of a number of `W_l h`, four times that of a broadcast one, as it
@@ -63,11 +60,12 @@ pub const RECEIVER_MAX: i16 = 511;
 /// GATv2: `Σ_j α_ij·r_j` with `α` the softmax of `aᵀ LeakyReLU(l_i + r_j)` over the neighbours
 /// and the UAV itself, Q15, where `l = W_l h` and the broadcast `r = W_r h` have the same units.
 pub(super) fn gatv2(
+    sums: &mut [i32; MAX_FEATURE],
     own: &Feature,
-    receiver: &[i16; MAX_FEATURE],
+    receiver: &[i16],
     attention: Row<'_>,
     neighbours: &[NeighbourFeature<'_>],
-) -> [i32; MAX_FEATURE] {
+) {
     // Five times LeakyReLU with slope 1/5 is a whole number: up to 5·(511 + 127), or 639 below
     // zero; so a sum stays within 64·2⁷·3190 < 2²⁵, as much as a layer's.
     let score = |values: &[i8]| {
@@ -78,18 +76,19 @@ pub(super) fn gatv2(
         }
         attention.wide(sum)
     };
-    attend(own, score(&own.values), neighbours, |n| score(n.values))
+    attend(sums, own, score(&own.values), neighbours, |n| score(n.values))
 }
 
 /// `Σ_j α_ij·values_j` with `α` the softmax of these scores, Q15. At most the first 16
 /// neighbours count. `mine` is the score of the UAV itself.
 #[inline]
 fn attend(
+    sums: &mut [i32; MAX_FEATURE],
     own: &Feature,
     mine: i32,
     neighbours: &[NeighbourFeature<'_>],
     score: impl Fn(&NeighbourFeature<'_>) -> i32,
-) -> [i32; MAX_FEATURE] {
+) {
     // Scores, then weights.
     let mut theirs = [0; MAX_DEGREE as usize - 1];
     let mut top = mine;
@@ -106,12 +105,10 @@ fn attend(
     }
     // weight <= 2^16, so the shifted value fits u32.
     let share = |weight: u32| (((weight << 15) + total / 2) / total.max(1)) as i32;
-    let mut sums = [0; MAX_FEATURE];
-    add(&mut sums, &own.values, share(mine));
+    add(sums, &own.values, share(mine));
     for (&w, n) in theirs.iter().zip(neighbours) {
-        add(&mut sums, n.values, share(w as u32));
+        add(sums, n.values, share(w as u32));
     }
-    sums
 }
 
 #[cfg(test)]
@@ -130,6 +127,11 @@ mod tests {
     fn a_mean_is_of_the_neighbours_alone() {
         let (some, others) = ([100i8; 2], [-20i8; 2]);
         let heard = |values| NeighbourFeature { values, degree: 3, attention_source: 0 };
+        let mean = |neighbours: &[_]| {
+            let mut sums = [0; MAX_FEATURE];
+            mean(&mut sums, neighbours);
+            sums
+        };
         assert_eq!(mean(&[]), [0; MAX_FEATURE]);
         assert_eq!(mean(&[heard(&some)])[..3], [100 << 15, 100 << 15, 0]);
         // round(2¹⁵/3) = 10,923.

@@ -95,11 +95,17 @@ impl<'a, O: ActorInput> QuantisedActor<'a, O> {
     /// Encodes an observation.
     #[must_use]
     pub fn encode(&self, observation: &O) -> Feature {
+        let mut h = Activations::<MAX_FEATURE>::zero();
+        self.encoder(observation, &mut h);
+        self.aggregator.feature(&h)
+    }
+
+    /// The encoder's two layers.
+    #[inline(never)]
+    fn encoder(&self, observation: &O, h: &mut Activations<MAX_FEATURE>) {
         let mut y = Activations::<MAX_ROWS>::zero();
         observation.apply(&self.encoder1, &mut y.0);
-        let mut h = Activations::<MAX_FEATURE>::zero();
         self.encoder2.apply(&y.0, &mut h.0);
-        self.aggregator.feature(&h)
     }
 
     /// The logits of a UAV with this feature and degree (itself included) whose

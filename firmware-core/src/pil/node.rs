@@ -127,12 +127,7 @@ impl<'a> Node<'a> {
         let observation = observe(&mut self.agent, request.now, request.own(), request.pois);
         // An answer that got lost is asked for again: the number belongs to the step.
         let sequence = step as u16;
-        // The agent was set up for this actor and has observed, so this does not fail.
-        let feature = self.agent.encode(actor, &observation, sequence).unwrap_or(None);
-        let message: &[u8] = match feature {
-            Some(feature) => Message::Feature(feature).encode(&mut self.message),
-            None => &[],
-        };
+        let message = encode(&mut self.agent, actor, &observation, sequence, &mut self.message);
         Ok(Reply::Observed(Observed { step, degree: self.agent.degree(), tie: self.agent.tie_breaker(step), message }))
     }
 
@@ -168,6 +163,23 @@ impl<'a> Node<'a> {
 #[inline(never)]
 fn observe(agent: &mut Agent, now: Moment, own: State, pois: &[u8]) -> Observation {
     agent.observe(now, own, pois.chunks_exact(POI_BYTES).map(|p| own.position + offset(p)))
+}
+
+/// Encodes what the agent observed last, and writes the feature message, if there is one. The
+/// features are off the stack while the observation is built.
+#[inline(never)]
+fn encode<'m>(
+    agent: &mut Agent,
+    actor: &Actor<'_>,
+    observation: &Observation,
+    sequence: u16,
+    message: &'m mut [u8; MAX_LEN],
+) -> &'m [u8] {
+    // The agent was set up for this actor and has observed, so this does not fail.
+    match agent.encode(actor, observation, sequence).unwrap_or(None) {
+        Some(feature) => Message::Feature(feature).encode(message),
+        None => &[],
+    }
 }
 
 /// By reference: an actor is a few hundred bytes, much for a board's stack.

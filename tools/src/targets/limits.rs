@@ -14,7 +14,7 @@ pub const STEP_GCN_LIMIT: u64 = 60_000;
 /// Most instructions of a whole step with 16 neighbours, with graph attention.
 pub const STEP_GAT_LIMIT: u64 = 75_000;
 /// Most instructions of a whole step with 16 neighbours, with graph attention in the form of Brody et al.
-pub const STEP_GATV2_LIMIT: u64 = 90_000;
+pub const STEP_GATV2_LIMIT: u64 = 76_000;
 /// Most code of the flight program, its board layer included, bytes.
 pub const CODE_LIMIT: u64 = 32 * 1024;
 /// Most static RAM of the flight program, with a neighbour table of 16, bytes.
