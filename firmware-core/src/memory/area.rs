@@ -1,6 +1,7 @@
 //! The area that somebody has looked at.
 
 use super::point::GridPoint;
+use super::since::Since;
 use crate::geometry::{TICKS_PER_U, Vec2};
 
 /// Side of a cell, ticks: 10 u.
@@ -16,14 +17,12 @@ pub(super) const BLOCKS: usize = WINDOW / BLOCK;
 const SEEN_FROM: i32 = 25 * TICKS_PER_U / 2;
 /// On maps larger than the window a sender tells of blocks at most so many from its own.
 const TOLD_BLOCKS: i32 = 2;
-/// A block that was not told yet.
-const NEVER: u8 = u8::MAX;
 
-/// Steps since a block was told and since it changed, up to 254.
+/// Steps since a block was told and since it changed.
 #[derive(Clone, Copy, Debug)]
 struct Ages {
-    told: u8,
-    changed: u8,
+    told: Since,
+    changed: Since,
 }
 
 /// Cells that this UAV, or one that it heard of, has looked at.
@@ -43,7 +42,7 @@ pub(super) struct ExploredArea {
 
 impl ExploredArea {
     pub(super) const fn new() -> Self {
-        let ages = [[Ages { told: NEVER, changed: NEVER }; BLOCKS]; BLOCKS];
+        let ages = [[Ages { told: Since::NEVER, changed: Since::NEVER }; BLOCKS]; BLOCKS];
         Self { first: [0; 2], side: WINDOW as u16, rows: [0; WINDOW], ages }
     }
 
@@ -54,11 +53,8 @@ impl ExploredArea {
     /// Everything is `steps` older.
     pub(super) fn advance(&mut self, steps: u8) {
         for ages in self.ages.iter_mut().flatten() {
-            for age in [&mut ages.told, &mut ages.changed] {
-                if *age != NEVER {
-                    *age = age.saturating_add(steps).min(NEVER - 1);
-                }
-            }
+            ages.told.advance(steps);
+            ages.changed.advance(steps);
         }
     }
 
@@ -109,7 +105,7 @@ impl ExploredArea {
         if *row & bit == 0 {
             *row |= bit;
             if let Some(ages) = self.ages_of([x / BLOCK % BLOCKS, y / BLOCK % BLOCKS]) {
-                ages.changed = 0;
+                ages.changed = Since::NOW;
             }
         }
     }
@@ -150,12 +146,12 @@ impl ExploredArea {
     /// The block to tell next of those not told in this step, as place and cells; it counts as told from now on. `own` is where
     /// the UAV is; its newest neighbour came `newest_neighbour` steps ago. Those come first that have changed since they
     /// were told or that this neighbour was not told, then the nearest.
-    pub(super) fn next_to_tell(&mut self, own: Vec2, newest_neighbour: u8) -> Option<(u8, u16)> {
+    pub(super) fn next_to_tell(&mut self, own: Vec2, newest_neighbour: Since) -> Option<(u8, u16)> {
         let own_block = [own.x, own.y].map(|t| t / (CELL * BLOCK as i32));
         let mut best: Option<((bool, i32, usize), [usize; 2])> = None;
         for (by, line) in self.ages.iter().enumerate() {
             for (bx, ages) in line.iter().enumerate() {
-                if ages.told == 0 || self.block([bx, by]) == 0 {
+                if ages.told == Since::NOW || self.block([bx, by]) == 0 {
                     continue;
                 }
                 let dx = self.told_block(bx, own_block[0]) - own_block[0];
@@ -172,7 +168,7 @@ impl ExploredArea {
         }
         let ((_, _, place), block) = best?;
         if let Some(ages) = self.ages_of(block) {
-            ages.told = 0;
+            ages.told = Since::NOW;
         }
         Some((place as u8, self.block(block)))
     }

@@ -14,13 +14,15 @@
 //! Messages may be lost, late or doubled, and come in any order: of two facts the newer stays, and a fact's age travels
 //! with it. After a reboot a memory is empty. What a hostile neighbour with the swarm's key can add lies on the map, is no
 //! younger than a step, and is gone [`POI_MAX_AGE`] and [`REPORT_MAX_AGE`] steps after its last word; while it lies in view
-//! and is not there, it is forgotten at once.
+//! and is not there, it is forgotten at once. It can displace what lies farther away, say of any UAV that it goes elsewhere
+//! until that UAV is heard again, and call area explored; PoIs in view it cannot hide.
 
 mod area;
 mod knowledge;
 mod point;
 mod pois;
 mod reports;
+mod since;
 #[cfg(test)]
 mod tests;
 
@@ -36,26 +38,28 @@ use area::ExploredArea;
 use knowledge::Frame;
 use pois::KnownPois;
 use reports::Reports;
+use since::Since;
 
 /// After a gap of more steps than this a memory starts empty.
 pub const MAX_GAP: u32 = POI_MAX_AGE as u32;
 
-/// The memory of one UAV, about 1.2 KiB.
+/// The memory of one UAV, less than 1 KiB.
 #[derive(Clone, Debug)]
 pub struct Memory {
     id: u16,
     half_side: i32,
     /// The step begun last.
     step: Option<u32>,
-    /// Where the UAV was then, within the map.
+    /// Where the UAV was then, ticks.
     own: Vec2,
     pois: KnownPois,
     area: ExploredArea,
     reports: Reports,
-    /// Ids heard in this step and in the one before, as a hash set of bits.
+    /// Which ids modulo 64 were heard in this step and in the one before, a bit each. Of two that share a bit a newcomer
+    /// may be missed: it then waits for its turn.
     heard: [u64; 2],
-    /// Steps since a neighbour was heard that had not been heard in the step before, up to 255.
-    newest_neighbour: u8,
+    /// Steps since a neighbour was heard that had not been heard in the step before.
+    newest_neighbour: Since,
 }
 
 impl Memory {
@@ -72,7 +76,7 @@ impl Memory {
             area: ExploredArea::new(),
             reports: Reports::new(),
             heard: [0; 2],
-            newest_neighbour: u8::MAX,
+            newest_neighbour: Since::NEVER,
         }
     }
 
@@ -87,7 +91,7 @@ impl Memory {
         self.pois.clear();
         self.area.clear();
         self.reports.clear();
-        (self.heard, self.newest_neighbour) = ([0; 2], u8::MAX);
+        (self.heard, self.newest_neighbour) = ([0; 2], Since::NEVER);
     }
 
     /// Begins the step `step`: everything ages, and the UAV at `own` (ticks) looks at the PoIs at `pois` (ticks; those out of
@@ -119,7 +123,7 @@ impl Memory {
         self.pois.advance(steps);
         self.reports.advance(steps);
         self.area.advance(steps);
-        self.newest_neighbour = self.newest_neighbour.saturating_add(steps);
+        self.newest_neighbour.advance(steps);
         self.heard = [0, if steps == 1 { self.heard[0] } else { 0 }];
     }
 
@@ -189,7 +193,7 @@ impl Memory {
     fn meet(&mut self, id: u16) {
         let bit = 1u64 << (id % 64);
         if self.heard[1] & bit == 0 && self.heard[0] & bit == 0 {
-            self.newest_neighbour = 0;
+            self.newest_neighbour = Since::NOW;
         }
         self.heard[0] |= bit;
     }
@@ -246,3 +250,5 @@ const fn valid_half_side(half_side: i32) -> i32 {
 
 // Sums of positions and windows fit.
 const _: () = assert!(2 * HALF_SIDE_LIMIT < COORDINATE_LIMIT);
+// What the documents promise a board.
+const _: () = assert!(size_of::<Memory>() < 1024);

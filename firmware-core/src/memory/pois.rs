@@ -1,6 +1,7 @@
 //! The PoIs that a UAV knows of.
 
 use super::point::{GRID, GridPoint};
+use super::since::Since;
 use crate::geometry::{OBSERVATION_RANGE_U, TICKS_PER_U, Vec2};
 use heapless::Vec;
 
@@ -9,8 +10,6 @@ pub const POI_CAPACITY: usize = 64;
 /// A PoI that nobody has seen for more steps than this is forgotten.
 pub const POI_MAX_AGE: u8 = 126;
 
-/// A PoI that was not told yet.
-const NEVER_TOLD: u8 = u8::MAX;
 /// Within this distance (ticks) a remembered PoI must be seen, or it is not there: the view, less what the grid
 /// rounds off.
 const MUST_SEE: i32 = OBSERVATION_RANGE_U * TICKS_PER_U - GRID;
@@ -22,8 +21,8 @@ pub struct KnownPoi {
     pub at: GridPoint,
     /// Steps since somebody saw it, 0 to [`POI_MAX_AGE`].
     pub age: u8,
-    /// Steps since this UAV told of it, up to 254.
-    told: u8,
+    /// Steps since this UAV told of it.
+    told: Since,
 }
 
 /// Known PoIs in the order of their squares.
@@ -47,9 +46,7 @@ impl KnownPois {
     pub(super) fn advance(&mut self, steps: u8) {
         self.0.retain_mut(|p| {
             p.age = p.age.saturating_add(steps);
-            if p.told != NEVER_TOLD {
-                p.told = p.told.saturating_add(steps).min(NEVER_TOLD - 1);
-            }
+            p.told.advance(steps);
             p.age <= POI_MAX_AGE
         });
     }
@@ -66,7 +63,7 @@ impl KnownPois {
                     known.age = known.age.min(age);
                 }
             }
-            Err(_) => self.add(KnownPoi { at, age, told: NEVER_TOLD }, own),
+            Err(_) => self.add(KnownPoi { at, age, told: Since::NEVER }, own),
         }
     }
 
@@ -107,8 +104,8 @@ impl KnownPois {
     pub(super) fn next_to_tell(&mut self) -> Option<(GridPoint, u8)> {
         // The first of the greatest: of equal ones the south-westernmost.
         let key = |p: &KnownPoi| (p.told, core::cmp::Reverse(p.age), core::cmp::Reverse(p.at));
-        let next = self.0.iter_mut().filter(|p| p.told > 0).max_by_key(|p| key(p))?;
-        next.told = 0;
+        let next = self.0.iter_mut().filter(|p| p.told > Since::NOW).max_by_key(|p| key(p))?;
+        next.told = Since::NOW;
         Some((next.at, next.age))
     }
 }

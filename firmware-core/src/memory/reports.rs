@@ -1,6 +1,7 @@
 //! What a UAV knows of the intentions of others.
 
 use super::point::GridPoint;
+use super::since::Since;
 use crate::geometry::{SPEED_CAP_U, TICKS_PER_U, Vec2};
 use heapless::Vec;
 
@@ -11,8 +12,6 @@ pub const REPORT_MAX_AGE: u8 = 31;
 /// Most steps until the arrival that are told; longer flights count as this.
 pub const MAX_ARRIVAL: u8 = 31;
 
-/// A report that was not told yet.
-const NEVER_TOLD: u8 = u8::MAX;
 /// A UAV that must have arrived within this distance (ticks), and was not heard for …
 const EXPECTED_WITHIN: i32 = 16 * TICKS_PER_U;
 /// … this many steps, is not there.
@@ -29,15 +28,15 @@ pub struct Report {
     pub arrival: u8,
     /// Steps since it told, 0 to [`REPORT_MAX_AGE`].
     pub age: u8,
-    /// Steps since this UAV passed it on, up to 254.
-    told: u8,
+    /// Steps since this UAV passed it on.
+    told: Since,
 }
 
 impl Report {
     /// UAV `id` told `age` steps ago that it would arrive in `arrival` steps.
     #[must_use]
     pub const fn new(id: u16, target: GridPoint, arrival: u8, age: u8) -> Self {
-        Self { id, target, arrival, age, told: NEVER_TOLD }
+        Self { id, target, arrival, age, told: Since::NEVER }
     }
 
     /// Steps until it arrives, if it flies on.
@@ -79,9 +78,7 @@ impl Reports {
     pub(super) fn advance(&mut self, steps: u8) {
         self.0.retain_mut(|r| {
             r.age = r.age.saturating_add(steps);
-            if r.told != NEVER_TOLD {
-                r.told = r.told.saturating_add(steps).min(NEVER_TOLD - 1);
-            }
+            r.told.advance(steps);
             r.age <= REPORT_MAX_AGE
         });
     }
@@ -120,8 +117,8 @@ impl Reports {
     /// lowest id. It counts as passed on from now on.
     pub(super) fn next_to_tell(&mut self) -> Option<Report> {
         let key = |r: &Report| (r.told, core::cmp::Reverse(r.age), core::cmp::Reverse(r.id));
-        let next = self.0.iter_mut().filter(|r| r.told > 0).max_by_key(|r| key(r))?;
-        next.told = 0;
+        let next = self.0.iter_mut().filter(|r| r.told > Since::NOW).max_by_key(|r| key(r))?;
+        next.told = Since::NOW;
         Some(*next)
     }
 }

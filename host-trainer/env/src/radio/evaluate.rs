@@ -11,7 +11,8 @@ use firmware_core::actor::ActorInput;
 use rayon::prelude::*;
 
 /// [`crate::evaluate`] with a policy that flies over a radio channel; returns what the channel did, too. `policy_seed`
-/// gives the policy seed of the world of an index; `on_state` sees every state, the spawn states too. The result does not depend on the number of threads.
+/// gives the policy seed of the world of an index; `on_state` sees every state, the spawn states too. The result does not
+/// depend on the number of threads.
 ///
 /// # Errors
 /// [`RadioWorldError`] when the scenario is not valid or the policy is for another number of UAVs.

@@ -109,7 +109,7 @@ impl Belief {
         for (p, &seen) in self.last_seen.iter().enumerate().filter(|(_, s)| **s != NEVER) {
             let age = f64::from(now - seen);
             let weight = if age > 2.0 { OLD + (1.0 - OLD) * libm::exp(-(age - 2.0) / DECAY_STEPS) } else { 1.0 };
-            pois.push(KnownPoi { at: self.poi_positions[p], index: p, weight });
+            pois.push(KnownPoi { at: self.poi_positions[p], index: Some(p), weight });
         }
         claims.clear();
         for (id, &PeerState { step, at, target }) in self.peers.iter().enumerate() {

@@ -11,8 +11,8 @@ pub(super) const SEEN_U: f64 = 12.5;
 pub(super) struct KnownPoi {
     /// Position, u.
     pub at: (f64, f64),
-    /// Index in the world.
-    pub index: usize,
+    /// Index in the world; `None` where it is known from a memory alone.
+    pub index: Option<usize>,
     /// Value of covering it for a step, at most 1.
     pub weight: f64,
 }

@@ -62,11 +62,11 @@ impl Planner {
         for (x, y) in observers() {
             for p in world.pois_within(x as f32, y as f32, OBSERVATION_RANGE_U as f32) {
                 if !std::mem::replace(&mut self.listed[p], true) {
-                    self.pois.push(KnownPoi { at: poi_position(world, p), index: p, weight: 1.0 });
+                    self.pois.push(KnownPoi { at: poi_position(world, p), index: Some(p), weight: 1.0 });
                 }
             }
         }
-        self.pois.iter().for_each(|p| self.listed[p.index] = false);
+        self.pois.iter().filter_map(|p| p.index).for_each(|p| self.listed[p] = false);
         let inputs = PlannerInputs {
             id: i,
             at,
@@ -80,8 +80,8 @@ impl Planner {
         };
         let fill_column = |column: CellColumn<'_>| {
             column.density.fill(0.0);
-            for p in &self.pois {
-                map.add_kernel(p.index, column.a, column.rows.clone(), column.density);
+            for p in self.pois.iter().filter_map(|p| p.index) {
+                map.add_kernel(p, column.a, column.rows.clone(), column.density);
             }
             for (explored, b) in column.explored.iter_mut().zip(column.rows) {
                 let centre = map.centre((column.a, b));

@@ -11,6 +11,7 @@ mod belief;
 mod exponential;
 mod fine_grid;
 mod inputs;
+mod kernel_table;
 mod known;
 mod local_map;
 mod lookahead;

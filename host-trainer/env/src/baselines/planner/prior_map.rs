@@ -9,9 +9,6 @@ pub(super) const CELL_U: f64 = 5.0;
 /// Standard deviation of the Gaussian kernel by which known PoIs make further ones likely, u.
 const KERNEL_U: f64 = 22.0;
 
-/// Places along an axis for which the kernel is at hand, 1/u.
-const AXIS_PER_U: f64 = 4.0;
-
 /// A grid of cells over the map and the expected PoIs of each; the same during a whole episode.
 #[derive(Clone, Debug)]
 pub(super) struct PriorMap {
@@ -23,8 +20,6 @@ pub(super) struct PriorMap {
     marginal: Vec<f64>,
     /// For each PoI the kernel's factor of each column, then of each row: their product is the kernel at a cell.
     kernel: Vec<f64>,
-    /// The kernel's factor of each column (or row) for each quarter of a unit.
-    axis_kernel: Vec<f64>,
 }
 
 impl PriorMap {
@@ -32,25 +27,18 @@ impl PriorMap {
         let s = world.scenario();
         let side_u = f64::from(s.side_u);
         let cells = (side_u / CELL_U).ceil() as usize;
-        let centre = |c: usize| CELL_U * (c as f64 + 0.5);
         // A cluster's centre is uniform between 0.15 and 0.85 of the side, its standard deviation 0.1 of the side.
         let cumulative = |x: f64| 0.5 * (1.0 + libm::erf(x / (0.1 * side_u * std::f64::consts::SQRT_2)));
         let density = |x: f64| (cumulative(x - 0.15 * side_u) - cumulative(x - 0.85 * side_u)) / (0.7 * side_u);
-        let marginal = (0..cells).map(|c| density(centre(c))).collect();
+        let marginal = (0..cells).map(|c| density(axis_centre(c))).collect();
         let mut kernel = Vec::with_capacity(s.pois * cells * 2);
         for p in 0..s.pois {
             let (x, y) = poi_position(world, p);
             for axis in [x, y] {
-                kernel.extend((0..cells).map(|c| libm::exp(-(centre(c) - axis).powi(2) / (2.0 * KERNEL_U * KERNEL_U))));
+                kernel.extend((0..cells).map(|c| axis_kernel(c, axis)));
             }
         }
-        let mut axis_kernel = Vec::with_capacity((side_u * AXIS_PER_U) as usize * cells);
-        for k in 0..((side_u * AXIS_PER_U) as usize).max(1) {
-            let axis = (k as f64 + 0.5) / AXIS_PER_U;
-            axis_kernel
-                .extend((0..cells).map(|c| libm::exp(-(centre(c) - axis).powi(2) / (2.0 * KERNEL_U * KERNEL_U))));
-        }
-        Self { axis_kernel, side_u, cells, distribution: s.distribution, pois: s.pois as f64, marginal, kernel }
+        Self { side_u, cells, distribution: s.distribution, pois: s.pois as f64, marginal, kernel }
     }
 
     /// Side of the map, u.
@@ -90,16 +78,6 @@ impl PriorMap {
         self.kernel[first + a] * self.kernel[first + self.cells + b]
     }
 
-    /// Adds the kernel of a PoI at `at` (u), to a quarter of a unit, to the cells `rows` of column `a`.
-    pub(super) fn add_kernel_at(&self, at: (f64, f64), a: usize, rows: std::ops::Range<usize>, sum: &mut [f64]) {
-        let of = |axis: f64| {
-            &self.axis_kernel[((axis * AXIS_PER_U) as usize * self.cells).min(self.axis_kernel.len() - self.cells)..]
-        };
-        let of_column = of(at.0)[a];
-        let of_rows = &of(at.1)[rows];
-        sum.iter_mut().zip(of_rows).for_each(|(sum, of_row)| *sum += of_column * of_row);
-    }
-
     /// Adds a PoI's kernel to the cells `rows` of column `a`.
     pub(super) fn add_kernel(&self, poi: usize, a: usize, rows: std::ops::Range<usize>, sum: &mut [f64]) {
         let first = 2 * poi * self.cells;
@@ -107,4 +85,14 @@ impl PriorMap {
         let of_rows = &self.kernel[first + self.cells..][rows];
         sum.iter_mut().zip(of_rows).for_each(|(sum, of_row)| *sum += of_column * of_row);
     }
+}
+
+/// The middle of a column (or row), u.
+fn axis_centre(c: usize) -> f64 {
+    CELL_U * (c as f64 + 0.5)
+}
+
+/// The kernel's factor of a column (or row) for a PoI at this coordinate, u.
+pub(super) fn axis_kernel(c: usize, axis: f64) -> f64 {
+    libm::exp(-(axis_centre(c) - axis).powi(2) / (2.0 * KERNEL_U * KERNEL_U))
 }

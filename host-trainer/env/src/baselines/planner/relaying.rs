@@ -1,35 +1,21 @@
 //! The planner with the memory that UAVs have on board.
 
 use super::inputs::{PlannerInputs, Weights};
+use super::kernel_table::KernelTable;
 use super::known::{Claim, KnownPoi, poi_position};
 use super::lookahead::fly_to;
 use super::prior_map::PriorMap;
-use super::remembering::priority;
+use super::remembering::{ESTIMATE_DECAY_STEPS, priority, weights};
 use super::target_selector::TargetSelector;
 use crate::plane::widened;
 use crate::policy::Policy;
-use crate::scenario::PoiDistribution;
 use crate::world::World;
 use firmware_core::action::Action;
 use firmware_core::geometry::{OBSERVATION_RANGE_U, Vec2};
 use firmware_core::memory::{Knowledge, Memory, flight_steps};
 
-const CLUSTERED: Weights = Weights {
-    reach_u: 10.0,
-    sure_u: 8.84,
-    prior: 0.58,
-    near_known: 0.3,
-    near_known_scale: 1.5,
-    inertia: 0.0,
-    yielding_claim: 1.0,
-    hysteresis: 0.0,
-};
-/// Where PoIs are uniform, known ones say nothing about the rest.
-const UNIFORM: Weights = Weights { prior: 3.0, near_known: 0.0, ..CLUSTERED };
 /// Longest planning horizon, steps.
 const HORIZON: f64 = 32.0;
-/// Time constant with which the estimates about unseen cells decay during an episode, steps.
-const ESTIMATE_DECAY_STEPS: f64 = 60.0;
 /// Weight that the weight of a PoI out of sight decays to …
 const OLD: f64 = 0.1;
 /// … with this time constant, steps.
@@ -44,7 +30,7 @@ const DECAY_STEPS: f64 = 20.0;
 pub struct RelayingPlanner {
     /// Bytes of knowledge that a UAV may send in a step.
     budget: usize,
-    map: Option<PriorMap>,
+    map: Option<(PriorMap, KernelTable)>,
     memories: Vec<Memory>,
     /// What each UAV sends in this step.
     told: Vec<Knowledge>,
@@ -98,7 +84,8 @@ impl RelayingPlanner {
         }
     }
 
-    fn replan(&mut self, world: &World, map: &PriorMap, i: usize) {
+    /// Chooses the target of UAV `i` anew, from what its memory holds.
+    fn replan(&mut self, world: &World, (map, kernels): &(PriorMap, KernelTable), i: usize) {
         let now = world.steps_done();
         let left = f64::from(world.scenario().steps.saturating_sub(now));
         let memory = &self.memories[i];
@@ -107,11 +94,11 @@ impl RelayingPlanner {
         self.pois.clear();
         // Those in view where they are, the others where the memory has them.
         let seen = world.pois_within(x, y, OBSERVATION_RANGE_U as f32);
-        self.pois.extend(seen.map(|p| KnownPoi { at: poi_position(world, p), index: p, weight: 1.0 }));
+        self.pois.extend(seen.map(|p| KnownPoi { at: poi_position(world, p), index: Some(p), weight: 1.0 }));
         for p in memory.pois().iter().filter(|p| p.age > 0) {
             let age = f64::from(p.age);
             let weight = if age > 2.0 { OLD + (1.0 - OLD) * libm::exp(-(age - 2.0) / DECAY_STEPS) } else { 1.0 };
-            self.pois.push(KnownPoi { at: widened(p.at.middle().to_u()), index: 0, weight });
+            self.pois.push(KnownPoi { at: widened(p.at.middle().to_u()), index: None, weight });
         }
         self.claims.clear();
         for r in memory.reports() {
@@ -135,15 +122,12 @@ impl RelayingPlanner {
             estimate_factor: (-f64::from(now) / ESTIMATE_DECAY_STEPS).exp(),
             present_target: Some(widened(self.targets[i].unwrap_or(own).to_u())),
         };
-        let weights = match world.scenario().distribution {
-            PoiDistribution::Clustered => &CLUSTERED,
-            PoiDistribution::Uniform => &UNIFORM,
-        };
+        let weights = Weights { hysteresis: 0.0, ..weights(world.scenario().distribution) };
         let pois = &self.pois;
-        let target = self.selector.select(&inputs, weights, map, |column| {
+        let target = self.selector.select(&inputs, &weights, map, |column| {
             column.density.fill(0.0);
             for p in pois {
-                map.add_kernel_at(p.at, column.a, column.rows.clone(), column.density);
+                kernels.add(p.at, column.a, column.rows.clone(), column.density);
             }
             for (explored, b) in column.explored.iter_mut().zip(column.rows) {
                 let (x, y) = map.centre((column.a, b));
@@ -155,8 +139,9 @@ impl RelayingPlanner {
         }
     }
 
-    /// A round of planning: those plan who have priority over all neighbours that still wait, and tell their targets.
-    fn plan_round(&mut self, world: &World, map: &PriorMap, last: bool) {
+    /// A round of planning: those plan who have priority over all neighbours that still wait, and tell their
+    /// targets. In the last one those plan, too, who have no target yet.
+    fn plan_round(&mut self, world: &World, map: &(PriorMap, KernelTable), last: bool) {
         let now = world.steps_done();
         let goes = |&i: &usize, waiting: &[bool], targets: &[Option<Vec2>]| {
             let yields = |&j: &u16| {
@@ -181,7 +166,7 @@ impl RelayingPlanner {
 impl Policy for RelayingPlanner {
     fn begin(&mut self, world: &World) {
         let uavs = world.scenario().uavs;
-        self.map = Some(PriorMap::new(world));
+        self.map = Some(maps(world));
         let half_side = world.scenario().half_side_ticks();
         // World::new bounds the number of UAVs.
         self.memories = (0..uavs).map(|i| Memory::new(i as u16, half_side)).collect();
@@ -191,7 +176,7 @@ impl Policy for RelayingPlanner {
     }
 
     fn act(&mut self, world: &World, actions: &mut [Action]) {
-        let map = self.map.take().unwrap_or_else(|| PriorMap::new(world));
+        let map = self.map.take().unwrap_or_else(|| maps(world));
         self.exchange(world);
         self.waiting.fill(true);
         self.plan_round(world, &map, false);
@@ -203,6 +188,13 @@ impl Policy for RelayingPlanner {
         }
         self.map = Some(map);
     }
+}
+
+/// The prior of a world, and kernels on its cells.
+fn maps(world: &World) -> (PriorMap, KernelTable) {
+    let map = PriorMap::new(world);
+    let kernels = KernelTable::new(&map);
+    (map, kernels)
 }
 
 /// Position of a UAV, ticks.

@@ -27,7 +27,7 @@ const UNIFORM: Weights = Weights { prior: 3.0, near_known: 0.0, ..CLUSTERED };
 /// Longest planning horizon, steps.
 const HORIZON: f64 = 54.0;
 /// Time constant with which the estimates about unseen cells decay during an episode, steps.
-const ESTIMATE_DECAY_STEPS: f64 = 60.0;
+pub(super) const ESTIMATE_DECAY_STEPS: f64 = 60.0;
 
 /// A planner that remembers PoIs, seen cells and the other UAVs' last positions and targets, and passes all of it on,
 /// one hop a step. It re-plans only in steps in which its pseudo-random priority is the highest among its neighbours',
@@ -64,11 +64,8 @@ impl RememberingPlanner {
             estimate_factor: (-f64::from(now) / ESTIMATE_DECAY_STEPS).exp(),
             present_target: Some(belief.target()),
         };
-        let weights = match world.scenario().distribution {
-            PoiDistribution::Clustered => &CLUSTERED,
-            PoiDistribution::Uniform => &UNIFORM,
-        };
-        let target = self.selector.select(&inputs, weights, map, |column| belief.fill_column(map, column));
+        let weights = weights(world.scenario().distribution);
+        let target = self.selector.select(&inputs, &weights, map, |column| belief.fill_column(map, column));
         if let Some(target) = target {
             self.beliefs.of_mut(i).set_target(target);
         }
@@ -94,6 +91,14 @@ impl Policy for RememberingPlanner {
             *action = fly_to(widened(world.position(i)), widened(world.velocity(i)), self.beliefs.of(i).target());
         }
         self.map = Some(map);
+    }
+}
+
+/// The parameters for worlds of a distribution.
+pub(super) const fn weights(distribution: PoiDistribution) -> Weights {
+    match distribution {
+        PoiDistribution::Clustered => CLUSTERED,
+        PoiDistribution::Uniform => UNIFORM,
     }
 }
 
